@@ -3,10 +3,8 @@ that can touch.
 
 An open half-space is the same everywhere, so that the contact in the box is one of its own, at the
 same force. Its pressure is that of the whole surface, where one application of S gives the gap
-(certificate/of_pressure.py). If points beyond the box penetrate, a larger box is solved.
-
-A box has as many points as one of the coarser grids, whose plans serve it, too, but the spacing of
-the finest grid; on several ranks it is on those of that coarser grid.
+(certificate/of_pressure.py). If points beyond the box penetrate, a larger box is solved. A box has
+the points, ranks and plans of one of the coarser grids, but the spacing of the finest.
 """
 
 from __future__ import annotations
@@ -43,10 +41,7 @@ class Rectangle(NamedTuple):
 
     @classmethod
     def of(cls, grid: Grid, chosen: Callable[[int, int], np.ndarray]) -> Rectangle | None:
-        """Return the smallest rectangle with all chosen points; None without any. Collective.
-
-        chosen(i0, i1): mask of some local rows of the surface.
-        """
+        """Return the smallest rectangle with all points of a mask, None without any. Collective."""
         nothing = (-np.inf,) * 4
 
         def ends(i0: int, i1: int) -> tuple[float, ...]:
@@ -76,31 +71,21 @@ class Rectangle(NamedTuple):
 
 @dataclass(frozen=True)
 class Box:
-    """A rectangle of the surface on which the contact is solved.
+    """A rectangle of the surface on which the contact is solved."""
 
-    Attributes
-    ----------
-    touching : Rectangle
-        The points that may touch, as far as known.
-    level : int
-        Number of the coarser grid that has as many points, 1 for the first one.
-    corner, points : (int, int)
-        Its first row and column on the surface, and the number of its rows and columns.
-    """
-
-    touching: Rectangle
-    level: int
-    corner: tuple[int, int]
-    points: tuple[int, int]
+    touching: Rectangle  # the points that may touch, as far as known
+    level: int  # number of the coarser grid that has as many points, 1 for the first one
+    corner: tuple[int, int]  # its first row and column on the surface
+    points: tuple[int, int]  # number of its rows and columns
 
     @classmethod
     def around(
         cls, touching: Rectangle | None, fine: Grid, coarser: Sequence[Grid], comm: Comm
     ) -> Box | None:
-        """Return the smallest box around a rectangle; None if only the whole surface has it.
+        """Return the smallest box around a rectangle; None if only the whole surface has it, or a
+        box takes as long.
 
-        None as well on a grid so small that a box takes as long. coarser: the coarser grids, finest
-        first, all of them on rank 0 of `comm`. Collective there.
+        coarser: finest first, all on rank 0 of `comm`. Collective there.
         """
         box = None
         if touching is not None and fine.cell_points >= SMALLEST:
@@ -114,10 +99,7 @@ class Box:
 
 
 def _place(touching: Rectangle, surface: Sequence[int], box: Sequence[int]) -> tuple | None:
-    """Return the first point of a box around a rectangle with its margin; None if it is too small.
-
-    No margin is needed beyond the edges of the surface.
-    """
+    """Return the first point of a box around a rectangle with its margin, or None."""
     corner = []
     for (begin, end), points, width in zip((touching[:2], touching[2:]), surface, box):
         margin = int(np.ceil(MARGIN * (end - begin))) + 1
@@ -130,29 +112,21 @@ def _place(touching: Rectangle, surface: Sequence[int], box: Sequence[int]) -> t
 
 
 class BoxContact(NamedTuple):
-    """The contact in a box.
+    """The contact in a box."""
 
-    Attributes
-    ----------
-    part : Part
-        Its pressure, on this rank's part of the surface.
-    pairs : float
-        FFT pairs that it took, converted to pairs of the whole grid.
-    coarser : list of CoarseContact
-        The contacts on coarser grids of the box, with mean gaps over the box.
-    """
-
-    part: Part
-    pairs: float
+    part: Part  # its pressure, on this rank's part of the surface
+    pairs: float  # FFT pairs that it took, converted to pairs of the whole grid
+    # contacts on coarser grids of the box, with mean gaps over the box
     coarser: list[CoarseContact]
 
     def coarser_of_surface(
         self, gap_mean: float, of_surface: Sequence[CoarseContact]
     ) -> list[CoarseContact]:
-        """Return the contacts on coarser grids with mean gaps over the surface.
+        """Return the contacts on coarser grids with mean gaps over the surface, on which that of
+        the solution is `gap_mean`.
 
-        gap_mean: that of the solution. of_surface: contacts of the whole surface, but for the first
-        of the coarser grids, which is taken to be halfway to the next one.
+        of_surface: contacts of the whole surface, but for the first of the coarser grids, which is
+        taken to be halfway to the next one.
         """
         gaps = [contact.gap_mean for contact in of_surface]
         gaps = [(gap_mean + gaps[0]) / 2, *gaps]
@@ -163,7 +137,7 @@ SolveAlone = Callable[["Problem"], tuple["Solver", float, list[CoarseContact]]]
 
 
 def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveAlone) -> BoxContact:
-    """Solve a contact in a box. Collective; coarser: the coarser grids, finest first.
+    """Solve a contact in a box; coarser: the coarser grids, finest first. Collective.
 
     solve(problem) solves a contact on a grid of its own; it returns the solver at the solution, the
     FFT pairs and the contacts on coarser grids. Stopped is raised on all ranks.

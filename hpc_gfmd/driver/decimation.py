@@ -27,19 +27,10 @@ SLIM = 4  # an axis with fewer points is not decimated: cubic interpolation take
 
 @dataclass(frozen=True)
 class DecimationCalibration:
-    """How coarse the grids become, and on how many ranks they are.
+    """How coarse the grids become, and on how many ranks; no effect on the solution."""
 
-    The numbers do not affect the accuracy of the solution on the finest grid.
-
-    Attributes
-    ----------
-    coarsest : int
-        Smallest number of points along an axis of a coarse grid (geometric mean of both axes).
-    rank_points : int
-        Smallest number of points per rank of a coarse grid; fewer are solved faster than sent.
-    """
-
-    coarsest: int = 32
+    coarsest: int = 32  # smallest number of points along an axis (geometric mean of both)
+    # smallest number of points per rank; fewer are solved faster than sent
     rank_points: int = field(default=2**13, metadata={"measured": "scripts/bench scaling"})
 
 
@@ -48,36 +39,20 @@ CALIBRATION = DecimationCalibration()
 
 @dataclass(frozen=True)
 class Decimation:
-    """A grid and the coarse grid of every second point; transfers fields between the two.
-
-    Attributes
-    ----------
-    fine : Grid
-        The fine grid.
-    coarse : Grid or None
-        The coarse grid; None on ranks that own none of its rows.
-    n : (int, int)
-        Number of points of the coarse grid along each axis.
-    nominal : (int, int)
-        How many of them are on the surface.
-    beside : ndarray of int
-        For every rank the first coarse row within its fine rows; at the end the number of rows.
-    starts : ndarray of int
-        For every rank the first coarse row that it owns; at the end the number of rows.
-    """
+    """A grid and the coarse grid of every second point; transfers fields between the two."""
 
     fine: Grid
-    coarse: Grid | None
-    n: tuple[int, int]
-    nominal: tuple[int, int]
-    beside: np.ndarray
-    starts: np.ndarray
+    coarse: Grid | None  # None on ranks that own none of its rows
+    n: tuple[int, int]  # points of the coarse grid along each axis
+    nominal: tuple[int, int]  # how many of them are on the surface
+    beside: np.ndarray  # first coarse row within the fine rows of every rank; at the end n[0]
+    starts: np.ndarray  # first coarse row that every rank owns; at the end n[0]
 
     @classmethod
     def of(cls, grid: Grid) -> Decimation | None:
-        """Return the decimation of a grid; None if it is too coarse for one, the same on all ranks.
+        """Return the decimation of a grid, None if it is too coarse for one. Collective.
 
-        Allocates no fields, but creates communicators. Collective.
+        Allocates no fields, but creates communicators.
         """
         n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
@@ -102,10 +77,10 @@ class Decimation:
         return [2 if a != b else 1 for a, b in zip(self.n, self.fine.n, strict=True)]
 
     def problem(self, problem: Problem) -> Problem | None:
-        """Return the problem on the coarse grid, with the heights of every second point.
+        """Return the problem on the coarse grid, None on ranks without coarse rows. Collective.
 
-        None on ranks without coarse rows. The unit of length is the spacing of the coarse grid; a
-        pressure keeps its number, a height is divided by the ratio of the spacings. Collective.
+        The unit of length is the spacing of the coarse grid; a pressure keeps its number, a height
+        is divided by the ratio of the spacings.
         """
         step = self.steps
         h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
@@ -124,10 +99,10 @@ class Decimation:
         return replace(problem, grid=self.coarse, h=heights)
 
     def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the rows of a coarse field that this rank's fine rows need, in three arrays.
+        """Return the rows of a coarse field that this rank's fine rows need: HALO before, those
+        `beside`, HALO after, all periodic.
 
-        These are HALO rows before, the rows within the fine rows (`beside`), and HALO rows after,
-        all periodic. a: the rows of the field that this rank owns, perhaps none. Collective.
+        a: the rows that this rank owns, perhaps none. Collective.
         """
         comm = self.fine.comm
         if np.array_equal(self.beside, self.starts):
@@ -141,8 +116,8 @@ class Decimation:
     ) -> Rectangle | None:
         """Return the rectangle of all points that touch at the displacement on the coarser grid.
 
-        So heights between its points count, too. coarse, gap: problem and gap there, None on ranks
-        without its rows. Collective.
+        So heights between its points count, too. coarse, gap: None on ranks without its rows.
+        Collective.
         """
         fine = self.fine
         x, y = self.steps

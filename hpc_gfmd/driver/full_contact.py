@@ -1,9 +1,9 @@
 """Full contact is a start, a gap of 0: the certificate accepts it if no point is in tension.
 
 The smallest load that closes the gap follows from a closed contact, which is linear in the load: p
-= p0 p1 + p_h, where p1 is the pressure of a flat surface at a mean of 1. It is max(-p_h/p1), at
-which the last point is just not in tension, and the load goes there without a transform. On a
-periodic surface p1 is 1; with free edges iterations relax the displacement beyond the surface.
+= p0 p1 + p_h, where p1 is the pressure of a flat surface at a mean of 1 (1 on a periodic one). It
+is max(-p_h/p1), at which the last point is just not in tension; with free edges iterations relax
+the displacement beyond the surface.
 """
 
 from __future__ import annotations
@@ -67,9 +67,9 @@ class Pressure(Target):
 class Closing(Target):
     """The smallest load that closes the gap: the lowest pressure at a closed gap is just above 0.
 
-    tolerance: largest relative error of the load. unit: with free edges the solution of a flat
-    surface at a mean pressure of 1, its pressure on the surface and its displacement beyond (local
-    slab), to be set before the iterations; None for a periodic surface.
+    tolerance: largest relative error of the load. unit: with free edges pressure and displacement
+    beyond the surface (local slab) of a flat surface at a mean pressure of 1, to be set before the
+    iterations.
     """
 
     is_sought = True

@@ -1,7 +1,6 @@
 """Errors by the grid: what a contact has on coarser grids tells how much finer ones change it.
 
-The nested start solves the contact roughly on every second point, on every fourth, and so on. The
-estimate for the grid is its difference from that of every second point, or half of that from every
+The estimate is the difference from the contact on every second point, or half of that on every
 fourth, whichever is larger: one difference alone may vanish by chance. It is cautious, since most
 errors fall with the square of the spacing. The largest pressure is that of a single point, and
 differs more at random: two more grids count, and the result twice. docs/accuracy.md has the
@@ -24,10 +23,7 @@ if TYPE_CHECKING:
 
 
 class CoarseContact(NamedTuple):
-    """Mean pressure, mean gap and largest pressure on a coarser grid.
-
-    In the program's units of the finer grid.
-    """
+    """Mean pressure, mean gap and largest pressure of a coarser grid, in units of the finer one."""
 
     p0: float
     gap_mean: float
@@ -37,10 +33,8 @@ class CoarseContact(NamedTuple):
 def coarser_contacts(
     solver: Solver, coarser: list[CoarseContact], scale: float
 ) -> list[CoarseContact]:
-    """Return the solver's present state and those of still coarser grids. Collective.
-
-    Dents count as a gap of 0. coarser: in the unit of the solver's grid; scale: the spacing of that
-    grid over that of the finer one, in whose unit the result is.
+    """Return the solver's present state (dents as a gap of 0) and those of still coarser grids, in
+    the unit of a grid whose spacing is 1/scale of the solver's. Collective.
     """
     grid = solver.problem.grid
     rows, points = grid.inside

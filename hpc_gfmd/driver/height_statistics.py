@@ -13,46 +13,22 @@ TIE = 64  # factor on rounding errors: a smaller difference of two heights count
 
 
 class HeightStatistics(NamedTuple):
-    """Statistics of the heights of one grid.
+    """Statistics of the heights of one grid; lengths are over the unit of slopes."""
 
-    Attributes
-    ----------
-    points : int
-        Number of points of the surface.
-    highest : int
-        Number of points as high as the highest one; they touch at any load.
-    indistinct : int
-        Number of points whose height solutions in the working precision cannot distinguish from
-        the highest one; at least `highest`.
-    top : float
-        Mean of the initial gap above that of the highest point, in lengths over the unit of slopes.
-    lowest : float
-        Initial gap of the highest point of this grid, in the same unit: 0, unless a coarse grid
-        lacks the highest peak.
-    steepness : float
-        rms slope between neighbours in a row, over the unit of slopes.
-    alone : float
-        A mean pressure, in the program's unit, up to which the highest point certainly carries the
-        load alone; 0 if several points are as high.
-    """
-
-    points: int
-    highest: int
-    indistinct: int
-    top: float
+    points: int  # of the surface
+    highest: int  # points as high as the highest one; they touch at any load
+    indistinct: int  # points that the working precision cannot distinguish from the highest one
+    top: float  # mean of the initial gap above that of the highest point
+    # initial gap of the highest point: 0, unless a coarse grid lacks the highest peak
     lowest: float
-    steepness: float
+    steepness: float  # rms slope between neighbours in a row
+    # Mean pressure, program's unit, up to which the highest point certainly carries the load alone;
+    # 0 if several points are as high.
     alone: float
 
     @classmethod
     def of(cls, problem: Problem) -> HeightStatistics:
-        """Measure the initial gap of a problem, whose heights must be stored. Collective.
-
-        Returns
-        -------
-        HeightStatistics
-            The same on all ranks.
-        """
+        """Measure the initial gap of a problem, whose heights must be stored. Collective."""
         grid = problem.grid
         h = problem.heights
         lowest = float(grid.comm.min([float(h.min(initial=np.inf))])[0])
@@ -71,25 +47,12 @@ class HeightStatistics(NamedTuple):
 
 
 def carried_alone(problem: Problem, depth: float) -> float:
-    """Return a mean pressure up to which a single highest point certainly carries the load alone.
+    """Return a mean pressure up to which a single highest point certainly carries the load alone; 0
+    without a next point, which is `depth` lower.
 
-    A lower bound of the load at which the next point touches. A mean pressure p0 presses the point
-    down by N p0 S_00 relative to the mean of the surface. The next point may rise relative to this
-    mean, but by less than that divided by the number of points along the shorter axis. A point that
-    yields carries no more than the hardness.
-
-    Parameters
-    ----------
-    problem : Problem
-        The contact; its load is not used.
-    depth : float
-        Height of the highest point above the next one, in the problem's unit; infinite without a
-        next one.
-
-    Returns
-    -------
-    float
-        Mean pressure in the program's unit; 0 without a next point.
+    A mean pressure p0 presses the point down by N p0 S_00 relative to the mean of the surface. The
+    next point may rise relative to this mean, but by less than that divided by the number of points
+    along the shorter axis. A point that yields carries no more than the hardness.
     """
     if not np.isfinite(depth):
         return 0.0

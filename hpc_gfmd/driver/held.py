@@ -38,37 +38,12 @@ JUMPS = "the contact jumps past the prescribed value: no equilibrium was found t
 
 
 class Held(Target):
-    """A search that moves the end of a spring until a mean gap or an approach is met.
+    """A search that moves the end of a spring until a mean gap or an approach (`quantity`) is met.
 
-    Parameters
-    ----------
-    quantity : str
-        "gap_mean" or "approach", attributes of a Certificate.
-    target : float
-        Its prescribed value, in the program's units.
-    tolerance : float
-        Largest error, relative to the target, or to the range of the attraction for an approach
-        that is shorter than this range.
-    p0 : float
-        Mean pressure at the start.
-    problem : Problem
-        The contact on the finest grid.
-    gap_at_touch : float
-        Mean gap of undeformed bodies that just touch, in the program's unit.
-    gap_at_start : ndarray
-        Gap from which the load starts, local slab; it is kept until the target is met.
-
-    Attributes
-    ----------
-    spring : float
-        Stiffness of the spring at the start, see `spring_of`.
-    touches : bool
-        Whether the target is a mean gap at which the bodies touch.
-    note : str or None
-        JUMPS once the search has given up.
-    unit : float
-        Length to which `tolerance` is relative: |target|, for an approach no less than the range of
-        the attraction.
+    tolerance: relative to `unit`, |target|, for an approach no less than the range of the
+    attraction. `gap_at_start` is kept until the target is met. `touches`: whether the target is a
+    mean gap at which the bodies touch; `note`: JUMPS once the search has given up. Lengths are in
+    the program's unit.
     """
 
     is_sought = True
@@ -101,18 +76,12 @@ class Held(Target):
         return abs(self.p0)
 
     def begin_at(self, p0: float) -> None:
-        """Set `p0`, the mean pressure at the start, which must belong to the gap at the start.
-
-        The spring holds that gap by this pressure: the two determine where its end is.
-        """
+        """Set `p0`, by which the spring holds the gap at the start: both tell where its end is."""
         self._p0_at_start = p0
         self.begin()
 
     def begin(self, problem: Problem | None = None) -> float:
-        """Begin at the mean pressure of the start with the spring of the start; return p0.
-
-        What an attempt in another precision has found is forgotten.
-        """
+        """Begin at the load and with the spring of the start, forget other attempts; return p0."""
         self.p0 = self._p0_at_start
         self._stiffness = self.spring
         self._end = 0.0  # by how much the end of the spring has moved, as a p0
@@ -212,21 +181,7 @@ class Held(Target):
 
 
 def spring_of(quantity: str, problem: Problem) -> float:
-    """Return the stiffness of the spring that holds a mean gap or an approach.
-
-    Parameters
-    ----------
-    quantity : str
-        "gap_mean" or "approach".
-    problem : Problem
-        The contact on the finest grid.
-
-    Returns
-    -------
-    float
-        Mean pressure of the cell per displacement, in the program's units. Collective for an
-        approach.
-    """
+    """Return the stiffness of the spring that holds "gap_mean" or "approach" (collective)."""
     grid = problem.grid
     if quantity == "approach":
         return float(Elastic(grid, problem.body, problem.dtype).multipliers.uniform)

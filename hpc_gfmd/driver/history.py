@@ -26,25 +26,12 @@ if TYPE_CHECKING:
 
 
 class History:
-    """Solves loads with a memory, in the place of a Sweep.
+    """Solves loads with a memory, in the place of a Sweep that is at its first load on the original
+    surface.
 
     Each load starts anew: a start from the load before saves nothing, as the wall has changed.
-
-    Parameters
-    ----------
-    sweep : Sweep
-        At its first load, on the original surface.
-    elements : sequence of (float, float)
-        Share and time of each element that relaxes; none for an elastic body.
-    keeps_dents : bool
-        Whether dents stay.
-
-    Attributes
-    ----------
-    memory : Memory
-        What the loads so far have left.
-    errors : tuple of float
-        Largest errors of area, mean gap and pressure field of all loads so far.
+    elements: share and time of each that relaxes; `memory`: what the loads so far have left;
+    `errors`: largest of area, mean gap and pressure field so far.
     """
 
     def __init__(self, sweep: Sweep, elements: Sequence[Element] = (), keeps_dents: bool = False):
@@ -82,10 +69,11 @@ class History:
     def solve(
         self, load: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
     ) -> Contact:
-        """Solve a load on what the loads before have left, and remember what it leaves.
+        """Solve a load on what the loads before have left, and remember what it leaves; see
+        `Sweep.solve`.
 
-        Collective; see `Sweep.solve`. The contact is that with the original wall and E*; its errors
-        are the largest so far, and once a load has failed its status is that of all later ones.
+        The contact is that with the original wall and E*; its errors are the largest so far, and
+        once a load has failed its status is that of all later ones. Collective.
         """
         dt = 0.0 if self._time is None else load.time - self._time
         shift, factor = self.memory.position.before(dt)
@@ -115,10 +103,7 @@ class History:
         return float(self._original.grid.comm.min([h.min(initial=np.inf)])[0])
 
     def _sweep_on(self, dt: float, lowest: float, factor: float) -> Sweep:
-        """Return the sweep of a load on the changed wall, with E* times a factor.
-
-        lowest: initial gap of the changed wall where it is highest, which becomes 0.
-        """
+        """Return the sweep of a load on the changed wall, lowered by `lowest`, with E* x factor."""
         settings = self.settings
         if self.dtype == DOUBLE and settings.precision == "auto":
             settings = settings.model_copy(update={"precision": "double"})
@@ -136,10 +121,11 @@ class History:
         return sweep_with(changed, settings, model)
 
     def _load_on(self, load: Load, nearer: float) -> tuple[Load, float | None]:
-        """Return a load as it is on the changed wall, and how far the bodies are apart, if at all.
+        """Return a load as it is on the changed wall, and how far the bodies are apart (None:
+        pressed together).
 
-        nearer: by how much the body has come nearer when it first touches the changed wall. None
-        if the bodies are pressed together; 0 without a load. Collective.
+        nearer: by how much the body has come nearer when it first touches the changed wall.
+        Collective.
         """
         unit = self._original.height_unit
         if load.quantity == "approach":

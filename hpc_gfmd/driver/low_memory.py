@@ -1,10 +1,10 @@
 """The working surface for the largest systems: the heights are not kept while iterating, so that
 little more than four fields are in memory.
 
-The starting gap overwrites the heights. The displacement u = g - h, which p = p0 + K u requires, is
-completed in Fourier space, where the transform of h is known mode by mode. Every load that does not
-start from the one before makes the surface again. With free edges the heights take a quarter or
-half of a field, and are kept.
+The starting gap overwrites the heights. The displacement u = g - h is completed in Fourier space,
+where the transform of h is known mode by mode; every load that does not start from the one before
+makes the surface again. With free edges the heights take a quarter or half of a field, and are
+kept.
 
 On large grids at small loads the first pressure and the certificates are in double precision; the
 solver then frees its transforms and its last step while they are computed.
@@ -30,25 +30,17 @@ if TYPE_CHECKING:
 
 
 class LowMemorySurface(WorkingSurface):
-    """A surface whose heights are not stored during the iterations.
+    """A surface whose heights are not stored during the iterations; `surface` changes from load to
+    load.
 
-    Parameters and attributes are those of `WorkingSurface`; `surface` changes from load to load.
-
-    Raises
-    ------
-    SceneError
-        If the periodic surface is not known by its modes, see surface/modes.py.
+    Raises SceneError if the periodic surface is not known by its modes, see surface/modes.py.
     """
 
     certifies_in_turn = True
     solver_makes_room = True
 
     def _plan(self) -> None:
-        """Raise SceneError for a periodic surface that has no spectrum of its heights.
-
-        Called once, when the object is made. Unlike `WorkingSurface._plan` it plans no transforms,
-        to save memory: they are planned when they are first used.
-        """
+        """Raise SceneError for a periodic surface without modes; plan no transforms yet."""
         if self.surface.add_spectrum is None and not self.surface.grid.padded:
             raise SceneError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine",'
@@ -56,20 +48,17 @@ class LowMemorySurface(WorkingSurface):
             )
 
     def problem_to_start(self, p0: float) -> Problem:
-        """Return the problem at p0 with stored heights; make the surface again if they are gone.
-
-        Collective.
-        """
+        """Return the problem with stored heights, making the surface again if need be."""
         if self.surface.h is None:
             self.surface = self.make_surface(self.dtype)
         problem = self.problem(p0)
         return replace(problem, h_rms=problem.root_mean_square)  # while there are heights
 
     def problem_to_iterate(self, problem: Problem) -> Problem:
-        """Return the problem with the spectrum in place of the heights, which are freed.
+        """Return the problem with the spectrum in place of the heights, which are freed, also those
+        of `self.surface`.
 
-        `self.surface` then has none, either. With free edges both keep them. Memory that the C
-        library holds goes back to the system.
+        With free edges both keep them. Memory that the C library holds goes back to the system.
         """
         if self.surface.add_spectrum is not None:
             spectrum = HeightSpectrum(self.surface.add_spectrum, self.dtype)
@@ -85,10 +74,7 @@ class LowMemorySurface(WorkingSurface):
         return None if self.surface.grid.padded else problem.heights
 
     def nested(self) -> Nested | None:
-        """Make and return coarser grids; when the caller drops them their transforms are freed.
-
-        Never None; `nests` is not asked. Collective.
-        """
+        """Make coarser grids, whose transforms are freed when the caller drops them. Collective."""
         return Nested(self.surface.grid, self.dtype)
 
     def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:
@@ -99,9 +85,6 @@ class LowMemorySurface(WorkingSurface):
 
 
 def _give_back() -> None:
-    """Return free memory that the C library holds to the system (60 to 100 MB at n = 4096).
-
-    Does nothing without glibc.
-    """
+    """Return free memory of the C library (glibc) to the system: 60 to 100 MB at n = 4096."""
     with suppress(AttributeError, OSError):
         ctypes.CDLL(None).malloc_trim(0)

@@ -60,26 +60,10 @@ def _decay(dt: float, tau: float) -> tuple[float, float]:
 class Memory:
     """The state of the points of this rank between two loads. Pointwise, without messages.
 
-    Lengths are in the program's unit of heights, times in the unit of the elements.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        Rows and columns of this rank's part of the surface.
-    elements : sequence of (float, float)
-        Share and time of each element that relaxes; none for an elastic body.
-    keeps_dents : bool
-        Whether there is a hardness, whose dents stay.
-
-    Attributes
-    ----------
-    dents : ndarray or None
-        Depth of the dents so far. Each load makes a new array.
-    body : Maxwell
-        Memory of the displacement of the surface.
-    position : Maxwell
-        Memory of the position of the undeformed body: 0 at the first touch, then minus its
-        approach; nan where that is unbounded.
+    Lengths are in the program's unit of heights. elements: share and time of each that relaxes;
+    keeps_dents: whether there is a hardness, whose dents stay. `dents` is their depth so far, a new
+    array at each load; `body` the memory of the displacement of the surface, `position` that of the
+    undeformed body: 0 at the first touch, then minus its approach; nan where that is unbounded.
     """
 
     def __init__(
@@ -95,9 +79,9 @@ class Memory:
         return -c if self.dents is None else self.dents - c
 
     def after(self, dt: float, g: np.ndarray, h: np.ndarray, position: float) -> None:
-        """Remember the gap g at the end of a step of dt, negative in new dents.
+        """Remember the gap g (below 0 in new dents) at the end of a step of dt.
 
-        h: the initial gap of the original wall; position: that of the undeformed body.
+        h: initial gap of the original wall; position: that of the undeformed body.
         """
         u = np.maximum(g, 0) - h if self.body.elements else 0.0
         if self.dents is not None:

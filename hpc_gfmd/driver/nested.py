@@ -35,23 +35,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class NestedCalibration:
-    """How the coarse grids are solved.
+    """How roughly the coarse grids are solved; without effect on the accuracy of the solution.
 
-    Measured by FFT pairs and time of self-affine walls. The numbers do not affect the accuracy of
-    the solution on the finest grid.
-
-    Attributes
-    ----------
-    reduction : float
-        Factor by which the residual is reduced on a coarse grid, once for each finer grid. More
-        would be of no use, because each finer grid adds about as much residual again, but coarser
-        grids are cheap.
-    iterations : int
-        Largest number of iterations on a coarse grid.
+    Measured by FFT pairs and time of self-affine walls.
     """
 
+    # Factor by which the residual is reduced on a coarse grid, once for each finer grid. More would
+    # be of no use, because each finer grid adds about as much residual again.
     reduction: float = 0.6
-    iterations: int = 60
+    iterations: int = 60  # largest number on a coarse grid
 
 
 CALIBRATION = NestedCalibration()
@@ -61,8 +53,7 @@ def cold_gap(problem: Problem) -> np.ndarray:
     """Return the gap of a rigid plane that is pressed into the surface down to mean + rms height.
 
     Heights above the plane are cut off: the gap is 0 there. Beyond the surface it is the
-    displacement of the plane. Loads that may close the gap start from full contact, a gap of 0. A
-    new array, local slab; the problem needs stored heights. Collective.
+    displacement of the plane. Needs stored heights. Collective.
     """
     h = problem.heights
     if problem.p0 >= problem.body.full_p_star:
@@ -83,10 +74,7 @@ def cold_gap(problem: Problem) -> np.ndarray:
 
 
 def undeformed_gap(problem: Problem) -> np.ndarray:
-    """Return the gap of the undeformed body, which touches the highest point only.
-
-    That is h on the surface and 0 beyond. A new array, local slab; needs stored heights.
-    """
+    """Return the gap of the undeformed body: h on the surface, which must be stored, 0 beyond."""
     h = problem.heights
     rows, points = problem.grid.inside
     g = np.zeros(problem.grid.shape, h.dtype)
@@ -95,48 +83,22 @@ def undeformed_gap(problem: Problem) -> np.ndarray:
 
 
 class NestedStart(NamedTuple):
-    """What the coarser grids have found. The same on all ranks, but for the gap.
+    """What the coarser grids have found. The same on all ranks, but for the gap."""
 
-    Attributes
-    ----------
-    gap : ndarray or None
-        The gap to start from, local slab of the grid; None with a box.
-    pairs : float
-        FFT pairs that it took, converted to pairs of the grid.
-    coarser : list of CoarseContact
-        The contacts on all coarser grids, finest first; with a box all but the first.
-    box : Box or None
-        Where all points that can touch are, if it was asked for and the contact is light.
-    """
-
-    gap: np.ndarray | None
-    pairs: float
+    gap: np.ndarray | None  # to start from, local slab; None with a box
+    pairs: float  # FFT pairs that it took, converted to pairs of the grid
+    # the contacts on all coarser grids, finest first; with a box all but the first
     coarser: list[CoarseContact]
+    # where all points that can touch are, if asked for and the contact is light
     box: Box | None = None
 
 
 class Nested:
-    """All coarser grids of a grid, with their transforms; makes starts on it.
+    """All coarser grids of a grid, with their transforms; makes starts on it. Collective.
 
-    Creating it and calling its methods is collective.
-
-    Parameters
-    ----------
-    grid : Grid
-        The grid on which contacts are started.
-    dtype : dtype
-        The working precision, for which transforms are planned.
-    finer : int
-        Number of grids that are finer than this one.
-
-    Attributes
-    ----------
-    step : Decimation or None
-        From this grid to the next coarser one; None if there is none.
-    coarser : Nested or None
-        The same for the next coarser grid; None if there is none, or no rows of it on this rank.
-    reduction : float
-        Residual to reach on the next coarser grid, over that of the start there.
+    finer: number of grids that are finer. `step` leads to the next coarser grid, None without one;
+    `coarser` is the same for that grid, None if there is none, or no rows of it on this rank;
+    `reduction` is the residual to reach there over that of the start.
     """
 
     def __init__(self, grid: Grid, dtype: DTypeLike, finer: int = 0):
@@ -174,27 +136,11 @@ class Nested:
     ) -> NestedStart:
         """Solve a problem roughly on the coarser grids, and interpolate to a start on this grid.
 
-        On the coarsest grid the start is a rigid plane (`cold_gap`).
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem on this grid, with stored heights.
-        make_solver : callable
-            Makes the solver of a problem: ``make_solver(problem)``.
-        target : Target
-            Has or finds the mean pressure on every grid; it changes.
-        into : ndarray, optional
-            Array that gets the gap; it may be that of problem.h, which is then overwritten.
-        find_box : callable, optional
-            Looks at the problem on the next coarser grid and the gap to start from there. If it
-            returns a Box, and there is one with the heights of this grid, too, nothing more is
-            solved: the contact is found there.
-
-        Raises
-        ------
-        Stopped
-            On all ranks, if a signal asks the run to stop.
+        On the coarsest grid the start is a rigid plane (`cold_gap`). `target` has or finds the mean
+        pressure on every grid; it changes. `into` gets the gap; it may be that of problem.h.
+        find_box looks at the problem on the next coarser grid and the gap to start from there: if
+        it returns a Box, and there is one with the heights of this grid, too, nothing more is
+        solved. Raises Stopped on all ranks.
         """
         if self.step is None:
             g = cold_gap(problem)
@@ -269,11 +215,11 @@ class Nested:
 def roughly_solved(
     problem: Problem, make_solver: MakeSolver, g: np.ndarray, reduction: float, target: Target
 ) -> Solver:
-    """Make a solver, and iterate until its residual is small enough for a coarse grid. Collective.
+    """Make a solver, start it from g, and reduce the residual by `reduction`, without a
+    certificate.
 
-    It starts from g, and reduces the residual by `reduction`; no certificate is computed. After
-    NestedCalibration.iterations, or if the state is not finite, the solver is returned as it is.
-    Raises Stopped on all ranks if a signal asks the run to stop.
+    After NestedCalibration.iterations, or if the state is not finite, the solver is returned as it
+    is. Raises Stopped on all ranks. Collective.
     """
     solver = make_solver(problem)
     solver.start(g)
@@ -297,23 +243,12 @@ def _prolong(
     full: bool,
     into: np.ndarray | None,
 ) -> np.ndarray:
-    """Interpolate a coarse solution to the grid of `problem`, and return the gap there. Collective.
+    """Interpolate a coarse solution to the grid of `problem`, correct it locally, and return the
+    gap.
 
-    The displacement is corrected locally for the finer heights. The gap of the coarse solver is
-    overwritten.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem on the fine grid, with stored heights.
-    step : Decimation
-        Of the fine grid.
-    coarse, solver : Problem and Solver, or None
-        The coarse problem and its solver; None on ranks without coarse rows.
-    full : bool
-        Whether the coarse solution is full contact: the gap is 0 then.
-    into : ndarray or None
-        Array that gets the gap, perhaps that of the heights; None for a new one.
+    The gap of the coarse solver is overwritten. coarse, solver: None on ranks without coarse rows;
+    full: the coarse solution is full contact, and the gap 0; into: gets the gap, perhaps that of
+    the heights. Collective.
     """
     fine = problem.grid
     real = problem.dtype.type

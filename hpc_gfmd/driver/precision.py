@@ -25,25 +25,17 @@ COARSE = 512  # points along an axis of the coarse surface that `known_heights` 
 
 @dataclass(frozen=True)
 class PrecisionCalibration:
-    """Limits of single precision.
+    """Limits of single precision, measured on the true errors of the campaign.
 
-    Measured on the true errors of the campaign. They cost or save time only: a load that single
-    precision cannot solve stagnates and is solved again in double precision.
-
-    Attributes
-    ----------
-    accuracy : float
-        Finest accuracy that is tried in single precision; below it indistinguishable heights spoil
-        the area.
-    few_points : float
-        Number of points that single precision may put into the wrong set.
-    noise : float
-        Largest rounding error of transforms, over the pressure error that the accuracy allows, with
-        which a certificate may be in single precision.
+    They cost or save time only: a load that single precision cannot solve stagnates and is solved
+    again in double precision.
     """
 
+    # finest that is tried in single; below it indistinguishable heights spoil the area
     accuracy: float = 2e-4
-    few_points: float = 6
+    few_points: float = 6  # number of points that single precision may put into the wrong set
+    # Largest rounding error of transforms, over the pressure error that the accuracy allows, with
+    # which a certificate may be in single precision.
     noise: float = 0.2
 
 
@@ -51,10 +43,8 @@ CALIBRATION = PrecisionCalibration()
 
 
 def first_precision(settings: SolverTable) -> np.dtype:
-    """Return float32 or float64, the precision of a sweep's first load.
-
-    settings: the table [solver] of a scene. With "auto" it is single if an accuracy of 2e-4 or more
-    is requested.
+    """Return the precision of a sweep's first load; "auto" is single from an accuracy of 2e-4
+    on.
     """
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
@@ -63,23 +53,11 @@ def first_precision(settings: SolverTable) -> np.dtype:
 
 
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
-    """Return whether too few points will touch for the area to be accurate in single precision.
+    """Return whether too few points will touch at p_star for the area to be accurate in single
+    precision.
 
-    Single precision may put a few points into the wrong set.
-
-    Parameters
-    ----------
-    N : int
-        Number of points of the surface.
-    p_star : float
-        Mean pressure over E* g_rms.
-    accuracy : float or None
-        Requested accuracy; None if a residual is requested.
-
-    Returns
-    -------
-    bool
-        True if p_star <= 0, as then any number of points may touch; False without an accuracy.
+    Single precision may put a few points into the wrong set. True if p_star <= 0, as then any
+    number of points may touch; False without an accuracy.
     """
     if p_star <= 0:
         return True
@@ -88,23 +66,10 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
 
 
 def too_soft(accuracy: float | None, h_rms: float, hardness: float | None) -> bool:
-    """Return whether rounding errors of single-precision heights are too large for a hardness.
+    """Return whether the pressure error of single-precision heights is too large for a hardness
+    (over E* g_rms).
 
-    They cause an error of the pressure, which is compared with the hardness, the largest pressure.
-
-    Parameters
-    ----------
-    accuracy : float or None
-        Requested accuracy; None if a residual is requested.
-    h_rms : float
-        rms height over g_rms times the grid spacing.
-    hardness : float or None
-        Hardness over E* g_rms; None for an elastic solid.
-
-    Returns
-    -------
-    bool
-        False without an accuracy or a hardness.
+    h_rms: over g_rms times the grid spacing.
     """
     if accuracy is None or hardness is None:
         return False
@@ -112,30 +77,16 @@ def too_soft(accuracy: float | None, h_rms: float, hardness: float | None) -> bo
 
 
 def rounding_in_single(h_rms: float) -> float:
-    """Return the rms error of the pressure due to storing heights in single precision.
+    """Return the rms error of the pressure, over E* g_rms, due to storing heights in single
+    precision.
 
-    It is over E* g_rms; h_rms: rms height over g_rms times the grid spacing.
+    h_rms: over g_rms times the grid spacing.
     """
     return ROUNDING * float(np.finfo(np.float32).eps) * h_rms
 
 
 def too_little(settings: SolverTable, N: int, p_star: float) -> bool:
-    """Return whether single precision certainly does not suffice for a load, by its pressure.
-
-    Parameters
-    ----------
-    settings : scene.SolverTable
-        The table [solver] of a scene; only its accuracy is used.
-    N : int
-        Number of points of the surface.
-    p_star : float
-        Mean pressure over E* g_rms.
-
-    Returns
-    -------
-    bool
-        True if too few points touch for an accurate area, or if `single_solves` refuses the load.
-    """
+    """Return whether single precision certainly does not suffice for a load, by p_star."""
     return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
 
 
@@ -144,24 +95,9 @@ def precisions(
 ) -> list[np.dtype | None]:
     """Predict the precision of each load of a scene; nothing is solved.
 
-    It is that of `first_precision`. With "auto" it becomes double at the first load at which too
-    few points touch or rounding errors are too large, and stays so for all later loads.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    n : pair of int
-        Number of points of its surface along x and y.
-    unknown : dtype, optional
-        Precision to assume for a load whose precision cannot be predicted. If that is double, all
-        later loads are in double precision, too.
-
-    Returns
-    -------
-    list of dtype or None
-        One for each load; None if it cannot be predicted and `unknown` is not given. Later loads
-        are then predicted as if this one were solved in single precision.
+    With "auto" it becomes double at the first load at which too few points touch or rounding errors
+    are too large, and stays so. A load that cannot be predicted has `unknown`; if that is None,
+    later loads are predicted as if it were in single precision.
     """
     settings = scene.solver
     precision = first_precision(settings)
@@ -190,20 +126,7 @@ def precisions(
 def least_precision(scene: Scene, N: int) -> np.dtype:
     """Return the lowest precision in which the loads of a scene may run, by its keys alone.
 
-    Loads whose p* the keys do not tell (None in `known_p_stars`) are left out.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    N : int
-        Number of points of the surface.
-
-    Returns
-    -------
-    dtype
-        That of `first_precision`. Only with "auto" it is float64 instead if at any load too few
-        points touch for single precision (`few_points`).
+    Loads whose p* the keys do not tell are left out.
     """
     settings = scene.solver
     if settings.precision == "auto":
@@ -219,18 +142,8 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
 def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
     """Return p* = p0/(E* g_rms) of each load of a scene, without solving anything.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    g_rms : float or None
-        rms slope of its surface; None if unknown.
-
-    Returns
-    -------
-    list of float or None
-        One for each load. For a prescribed area its half, which is about p* at light loads. None
-        for a gap or an approach, and for a pressure without `g_rms`.
+    For a prescribed area its half, which is about p* at light loads. None for a gap or an approach,
+    and for a pressure without `g_rms`.
     """
     name, values = scene.load.prescribed
     if name == "p_star":
@@ -245,24 +158,12 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
 
 
 def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
-    """Return rms slope and height of a scene's surface, without making it on its full grid.
+    """Return rms slope, and rms height over it and the grid spacing, of a scene's surface, without
+    making it on its full grid.
 
-    For a self-affine surface they follow from its keys, for others from a surface on a coarse
-    grid that is made here.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene with the surface.
-    n : pair of int
-        Number of its points along x and y.
-
-    Returns
-    -------
-    g_rms, h_rms : float or None
-        rms slope, and rms height over g_rms times the grid spacing. Both None for a height map, a
-        spectrum or Fourier coefficients, and for roughness on a round body; h_rms None for a flat
-        surface.
+    For a self-affine surface they follow from its keys, for others from a surface on a coarse grid
+    that is made here. Both None for a height map, a spectrum or Fourier coefficients, and for
+    roughness on a round body; h_rms None for a flat surface.
     """
     surface = scene.surface
     if surface.kind == "file" or surface.kind == "spectrum" or surface.kind == "fourier":
@@ -279,20 +180,11 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
 
 
 def pressure_that_counts(target: StoppingCriterion | SolverTable, p_star: float) -> float:
-    """Return the rms error of the pressure at open points that the requested accuracy allows.
+    """Return the rms error of the pressure at open points, over E* g_rms, that the requested
+    accuracy allows.
 
-    Parameters
-    ----------
-    target : StoppingCriterion or scene.SolverTable
-        Its residual is used, or its accuracy if it has no residual.
-    p_star : float
-        Mean pressure over E* g_rms.
-
-    Returns
-    -------
-    float
-        A pressure over E* g_rms: residual * p_star, which is below 0 under tension, or
-        accuracy * sqrt(p_star), which is 0 under tension and without an accuracy.
+    It is residual * p_star, which is below 0 under tension, or accuracy * sqrt(p_star), which is 0
+    under tension and without an accuracy.
     """
     if target.residual:
         return target.residual * p_star

@@ -68,7 +68,7 @@ class Opening(Gap):
     """A mean gap next to full contact, a power of (closes_at - p0)/p0; starts from a gap of 0.
 
     Where a few points are open this takes half the FFT pairs that `Gap` takes. opens: distance of
-    p0 from the load that closes the gap (`begin_below`) at which one open point makes this gap.
+    p0 from the load that closes the gap at which one open point makes this gap.
     """
 
     usual = 1.5
@@ -335,9 +335,8 @@ class Area(Root):
 
 
 def opening_load(gap_mean: float, working: WorkingSurface) -> float:
-    """Return how far below full contact a load is at which one open point alone makes a mean gap.
-
-    gap_mean: in the unit of the heights; the load is in the program's unit.
+    """Return how far below full contact a load (program's unit) is at which one open point alone
+    makes a mean gap, in the unit of the heights.
     """
     grid = working.surface.grid
     gap_of_point = gap_mean / working.surface.height_unit * grid.N

@@ -198,10 +198,10 @@ class Root(Target):
     def propose(
         self, y: float, error: float, certified: bool, allowed: float = 0.0
     ) -> float | None:
-        """Return the next x, or None to stay.
+        """Return the next x, or None to stay, for the value y, within a relative error, at the
+        present x.
 
-        y is the value at the present x, within a relative error; a prediction within `allowed` is
-        not followed.
+        A prediction within `allowed` is not followed.
         """
         f = self.straight(y)
         wanted = self.straight(self.aim)

@@ -18,8 +18,8 @@ class Target:
     """A prescribed mean pressure. Subclasses change it while a solver iterates.
 
     The loop (drive.py) calls `follow` after every iteration on every grid, `judge` and then
-    `correct` after every certificate. Numbers are in the program's units, equal on all ranks; all
-    methods are collective.
+    `correct` after every certificate. Numbers are in the program's units; all methods are
+    collective.
     """
 
     is_sought = False  # whether p0 is found by iterating
@@ -60,9 +60,8 @@ class Target:
         return False
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether a certificate may find area and target accurate enough.
-
-        This takes a pass over all points. True without estimated errors.
+        """Return whether a certificate may find area and target accurate enough, by a pass over all
+        points; True without estimated errors.
         """
         return area_may_be_met(solver, progress, accuracy)
 
@@ -73,8 +72,8 @@ class Target:
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go to another load after a certificate that missed the target, which `judge` has seen.
 
-        Returns whether the load of the solver has changed. solved: whether the solution is as
-        accurate as asked.
+        Returns whether the load of the solver has changed. solved: the solution is as accurate as
+        asked.
         """
         return False
 

@@ -40,22 +40,10 @@ def compile_once(
 ) -> None:
     """Compile the kernels of a scene by solving a tiny contact, on rank 0 before the others.
 
-    Rank 0 fills the cache of compiled kernels on disk, from which the others load them: first one
-    rank of each machine, which compiles where it does not see that cache. On several ranks double
-    precision is compiled as well if a load may need it. Collective; an error of one rank is raised
-    on all.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    scene : Scene
-        The scene whose solver, precision, boundary and material are used.
-    observe : callable
-        Called with each solved Contact on every rank, to compile the kernels of observables.
-    say : callable, optional
-        Called with messages for the user, on rank 0 only: before the first kernel is compiled that
-        is not in the cache, and afterwards with the time that it took.
+    Rank 0 fills the cache on disk, from which the others load them: first one rank of each machine,
+    which compiles where it does not see that cache. On several ranks double precision is compiled
+    as well if a load may need it. observe(contact) compiles the kernels of observables; say(text)
+    gets messages for the user on rank 0. Collective.
     """
 
     def solve() -> None:
@@ -81,8 +69,7 @@ def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: 
     """Solve a tiny contact of 3 iterations on this rank alone, and observe it.
 
     Its precision is that of the scene's first load; with `on_ranks` also double if a load may need
-    it, and levels are distributed as they are over ranks. The contact has the scene's solver,
-    material and boundary.
+    it, and levels are distributed as they are over ranks.
     """
     settings = scene.solver
     material = scene.material

@@ -41,8 +41,8 @@ def contact_of(
 ) -> Contact:
     """Assemble the Contact of a solved load; nothing is computed or copied.
 
-    p0: mean pressure of the solution in the program's unit, which is exactly the prescribed one if
-    a pressure was. g, p: local slabs. The note of the load's target becomes the remark.
+    p0: mean pressure of the solution in the program's unit. The note of the load's target becomes
+    the remark.
     """
     model = working.model
     return Contact(
@@ -84,9 +84,7 @@ def flat_contact(working: WorkingSurface, load: Load, criterion: StoppingCriteri
 def unloaded_contact(
     working: WorkingSurface, load: Load, criterion: StoppingCriterion, apart: float
 ) -> Contact:
-    """Return the contact of bodies that are not pressed together, exactly known.
-
-    apart: distance of the undeformed body from its first touch, in the program's unit of heights.
+    """Return the contact, exactly known, of bodies that do not touch but are `apart`.
     Collective.
     """
     surface = working.surface

@@ -78,10 +78,7 @@ class Ensemble:
         return len(self.results)
 
     def _is_alike(self, name: str) -> bool:
-        """Whether a number is the same in all results, load by load, within SAME_LOAD.
-
-        False if a load lacks it.
-        """
+        """Whether a number is there and the same in all results, load by load, within SAME_LOAD."""
         if any(name not in step for result in self.results for step in result.result.steps):
             return False
         values = np.array([result.values(name) for result in self.results], dtype=float)
@@ -118,9 +115,17 @@ class Ensemble:
         length: float | str = 1.0,
         axis: str = "x",
     ) -> np.ndarray:
-        """Return the mean leak rate over the results, shape (loads,).
+        """Return the mean leak rate over the results, as `Solutions.leak_rate`.
 
-        For the arguments, the theory and the unit see `Solutions.leak_rate`.
+        Parameters
+        ----------
+        viscosity, pressure_drop, width, length, axis
+            As for `Solutions.leak_rate`.
+
+        Returns
+        -------
+        ndarray, shape (loads,)
+            In m^3/s.
         """
         fluid = viscosity, pressure_drop, width, length, axis
         return np.mean([result.leak_rate(*fluid) for result in self.results], axis=0)

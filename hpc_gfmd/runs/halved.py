@@ -51,23 +51,11 @@ def _with_middles(key: str, numbers: Sequence[float], times: Sequence[float]) ->
 
 
 def changes_by_halving(scene: Scene, steps: Sequence[dict], comm: Comm) -> dict[str, float]:
-    """Return the largest relative changes of the numbers of a history if its steps are halved.
+    """Return the largest changes of a_r, gap_mean and p, over the larger value, if the steps of a
+    history are halved.
 
-    Solves the halved history, and keeps no fields of it. Collective.
-
-    Parameters
-    ----------
-    scene : Scene
-        The history.
-    steps : sequence of dict
-        Its solved loads.
-    comm : Comm
-        All ranks.
-
-    Returns
-    -------
-    dict of str to float
-        By the names of the numbers, a_r, gap_mean and p, relative to the larger value.
+    Solves the halved history, and keeps no fields of it. steps: the solved loads of the history.
+    Collective.
     """
     halved = with_halved_steps(scene)
     surfaces = surfaces_of_scene(comm, halved)

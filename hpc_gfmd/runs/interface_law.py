@@ -128,33 +128,19 @@ def interface_law(
 
 
 class _Curves:
-    """Solved loads of all surfaces by pressure, and how well the law predicted them.
-
-    Attributes
-    ----------
-    quantities : sequence of str
-        Numbers of a load that the law is of.
-    error : float
-        Largest deviation that is accepted, relative.
-    steps : dict of float to list of dict
-        Attributes of the load of each surface, by pressure.
-    deviations : dict of (float, float) to dict of str to float
-        By interval, one between neighbouring pressures or one that was halved later: relative
-        deviation of quantities, from the law without it, of the load that was the last to test the
-        interval: the one in the middle of the interval of which it is a half.
-    """
+    """Solved loads of all surfaces by pressure, and how well the law predicted them."""
 
     def __init__(self, quantities: Sequence[str], error: float) -> None:
-        self.quantities = quantities
-        self.error = error
-        self.steps: dict[float, Steps] = {}
+        self.quantities = quantities  # numbers of a load that the law is of
+        self.error = error  # largest deviation that is accepted, relative
+        self.steps: dict[float, Steps] = {}  # attributes of the load of each surface, by pressure
+        # By interval, one between neighbouring pressures or one that was halved later: relative
+        # deviation of quantities, from the law without it, of the load that was the last to test
+        # the interval: the one in the middle of the interval of which it is a half.
         self.deviations: dict[tuple[float, float], dict[str, float]] = {}
 
     def refine(self, sample: Sample, low: float, high: float) -> None:
-        """Solve loads from low to high until each interval is accepted.
-
-        Fills `steps` and `deviations`. `sample(pressures)` solves all surfaces.
-        """
+        """Solve loads, by sample(pressures), from low to high until each interval is accepted."""
         middle = math.sqrt(low * high)
         self._add([low, middle, high], sample)
         pending = [(low, middle), (middle, high)]
@@ -185,8 +171,8 @@ class _Curves:
         True if all quantities deviate little enough from `predicted`, the values that the law had
         there without this load, and none of them is 0 at one end of the interval and positive at
         the other; always true for an interval that is shorter than `error` in the logarithm of the
-        pressure. A quantity without a value in the middle does not count. The deviations are stored
-        in `deviations`: inf where only the load has a value, not the law.
+        pressure. A quantity without a value in the middle does not count. Sets `deviations`: inf
+        where only the load has a value, not the law.
         """
         deviations = {}
         accepted = True
@@ -209,18 +195,12 @@ class _Curves:
         return accepted or math.log(interval[1] / interval[0]) <= self.error
 
     def curve(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return (pressures, values) of a quantity by ascending pressure, as means over surfaces.
-
-        A value is nan if one of the surfaces has none there.
-        """
+        """Return (pressures, values) of a quantity, means over surfaces, nan if one has none."""
         pressures = sorted(self.steps)
         return np.array(pressures), np.array([_mean(name, self.steps[p]) for p in pressures])
 
     def law(self, facts: Mapping[str, Any]) -> InterfaceLaw:
-        """Return the law from all solved loads, without quantities that have no value.
-
-        `facts` are those of the sampler.
-        """
+        """Return the law from all solved loads, without quantities that have no value."""
         pressures = sorted(self.steps)
         about = list(facts["about"])
         names = []
@@ -268,9 +248,8 @@ def _mean(name: str, steps: Steps) -> float:
 
 
 def _scatter(name: str, steps: Steps) -> float:
-    """Return the sample standard deviation of a number over the surfaces; 0 for a single surface.
-
-    steps: one load, of each surface. nan if one of them has no value.
+    """Return the sample standard deviation of a number over the surfaces at one load; 0 for a
+    single surface, nan if one has no value.
     """
     values = [step.get(name) for step in steps]
     if None in values:
@@ -309,10 +288,7 @@ def _relative_error(name: str, step: Mapping[str, Any], of_grid: bool) -> float:
 
 
 def _positive_pressure(value: float | str, where: str) -> float:
-    """Return a pressure from a number or a text with a unit, the latter as a Quantity.
-
-    `where` names the argument. Raises SceneError unless it is positive and finite.
-    """
+    """Return a positive pressure from a number or a text with a unit, which is a Quantity."""
     try:
         number = _plain_number(value)
         if number is None:
@@ -327,10 +303,7 @@ def _positive_pressure(value: float | str, where: str) -> float:
 
 
 def _plain_number(value: float | str) -> float | None:
-    """Return a number that has no unit; None for any text that is no plain number.
-
-    Raises TypeError for other objects.
-    """
+    """Return a number that has no unit; None for any text that is no plain number."""
     try:
         return float(value)
     except ValueError:

@@ -31,10 +31,10 @@ Pressures = Sequence[float | str]
 
 
 class Sampler:
-    """Solves all surfaces of a law at given pressures.
+    """Solves all surfaces of a law at given pressures; arguments as of `interface_law`. Collective
+    for scenes.
 
-    Collective for scenes. The arguments are those of `interface_law`, and any of the pressures;
-    after the first loads `surface` has the attributes of the first surface, and `gaps` the mean gap
+    After the first loads `surface` has the attributes of the first surface, and `gaps` the mean gap
     of each when it just touches.
     """
 
@@ -104,10 +104,7 @@ class Sampler:
         return scene, surfaces_of(self.comm, scene, wall)
 
     def __call__(self, pressures: Pressures) -> list[Steps]:
-        """Solve all surfaces at some pressures; return the attributes of their loads.
-
-        One list for each surface, in the order of the pressures.
-        """
+        """Solve all surfaces at some pressures; return their loads' attributes by surface."""
         return [self._solve(k, pressures) for k in range(len(self.members))]
 
     def _solve(self, k: int, pressures: Pressures) -> Steps:
@@ -135,8 +132,8 @@ class Sampler:
     def facts(self) -> dict[str, Any]:
         """Return what the law tells of its surfaces, after the first loads were solved.
 
-        A dict with "surface" (attributes of the first one), "pressure_unit", "gap_at_touch" (mean
-        over the surfaces) and "about" (lines of text, first a title if a scene has one).
+        "surface" (attributes of the first one), "pressure_unit", "gap_at_touch" (mean over the
+        surfaces) and "about" (lines of text, first a title if a scene has one).
         """
         titles = [scene.title for scene, _ in self.members if scene.title]
         return {

@@ -180,10 +180,10 @@ class _Worker:
         connection_of_process.close()
 
     def solve(self, surface: Any, arguments: dict[str, Any]) -> Outcome:
-        """Let the process solve a surface; return (Solutions or an exception, warnings).
+        """Let the process, started again if it has died, solve a surface; return (Solutions or an
+        exception, warnings).
 
-        One thread at a time may call this. It starts the process again if it has died, and raises
-        nothing.
+        One thread at a time may call this.
         """
         if self.process.poll() is not None:
             self.start()
@@ -203,10 +203,7 @@ class _Worker:
 
 
 def serve(descriptor: int) -> None:
-    """Run in a worker: solve the surfaces that arrive on a connection until it is closed.
-
-    `descriptor` is the open file descriptor of the connection, on which outcomes are sent back.
-    """
+    """Run in a worker: solve surfaces that arrive on a connection, send outcomes back."""
     connection = Connection(descriptor)
     while True:
         try:

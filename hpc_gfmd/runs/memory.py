@@ -68,8 +68,8 @@ def memory_of(
 ) -> float:
     """Return a forecast of the memory of the largest rank, in GiB.
 
-    `cell`: points of the grid, with those beyond free edges; `itemsize`: bytes of a number, 8 if a
-    load needs double precision.
+    cell: points of the grid, with those beyond free edges; itemsize: 8 if a load needs double
+    precision.
     """
     points = -(-cell[0] // ranks) * cell[1]  # of the longest slab
     output = scene.output

@@ -34,10 +34,9 @@ def plan_of(
     threads: int,
     cores: int,
 ) -> dict[str, Any]:
-    """Return the forecast by the names that `hpc-gfmd plan --json` prints.
+    """Return the forecast by the names that `hpc-gfmd plan --json` prints: GiB and seconds.
 
-    n, sizes: points and lengths of the surface; per_node: ranks on each node; threads: of each
-    rank; cores: of this machine, for the time. Memory is in GiB, times are in seconds.
+    n, sizes: of the surface; per_node: ranks on each node; cores: of this machine, for the time.
     """
     cell = cell_of(n, scene.surface.free, sizes)
     first = first_precision(scene.solver)

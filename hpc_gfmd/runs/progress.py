@@ -89,9 +89,8 @@ class Reporter:
             self.say(f"{self.name}: {text}, {now - self.begin_time:.0f} s")
 
     def _draw(self, error: float, text: str) -> None:
-        """Move the bar, which never falls back, and show a text beside it.
-
-        The bar shows which share of the decades from the first error to the required one is done.
+        """Move the bar, which never falls back, to the share of decades from the first error to the
+        required one that is done.
         """
         wanted = self.target.tolerance
         if 0 < error < math.inf:
@@ -118,18 +117,17 @@ class Reporter:
 
 
 def bar_stream() -> Any:
-    """Return the stream for bars: standard error, or standard output in a notebook.
-
-    A notebook would colour standard error as an error.
+    """Return the stream for bars: standard error, or standard output in a notebook, which would
+    colour standard error as an error.
     """
     return sys.stdout if in_notebook() else sys.stderr
 
 
 def new_bar(name: str, total: float | None, bar_format: str | None = None) -> Any:
-    """Draw a progress bar: a widget in a notebook with ipywidgets, otherwise one line of text.
+    """Draw a progress bar, full at `total`: a widget in a notebook with ipywidgets, otherwise one
+    line of text.
 
-    It is full at `total` (None: unknown) and disappears when it is closed. Raises OSError or
-    ValueError if it cannot be printed.
+    It disappears when it is closed. Raises OSError or ValueError if it cannot be printed.
     """
     if in_notebook() and find_spec("ipywidgets"):
         from tqdm.notebook import tqdm

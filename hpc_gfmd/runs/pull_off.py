@@ -35,20 +35,10 @@ def require_pull(scene: Scene, error: Any, several: bool) -> None:
 class PullOff:
     """Pulls the bodies of a run apart by further loads, until their pull-off is known.
 
-    Each further load starts from the smallest one that the bodies have held. A load that does not
-    converge ends the search.
-
-    Parameters
-    ----------
-    run : Run
-        Its loads, on the retraction branch, are solved first.
-    error : float
-        Largest distance of the load that is held from the one that is lost, relative to the latter.
-
-    Attributes
-    ----------
-    order : list of int
-        Numbers of the solved loads; further ones stand where a finer sweep would have them.
+    The run's loads, on the retraction branch, are solved first. Each further load starts from the
+    smallest one that the bodies have held. error: largest distance of the load that is held from
+    the one that is lost, relative to the latter. A load that does not converge ends the search.
+    `order`: numbers of the solved loads; further ones stand where a finer sweep would have them.
     """
 
     def __init__(self, run: Run, error: float) -> None:

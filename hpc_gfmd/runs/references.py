@@ -11,11 +11,7 @@ PAPER = "Prodanov, Dapp, Müser, Tribol. Lett. 53 (2014) 433, doi:10.1007/s11249
 
 
 def references_of(result: Result) -> list[str]:
-    """Return what to cite for a result, one line each.
-
-    That is the program, and the papers behind its elastic body, algorithm and observables and the
-    theory that pictures of it show.
-    """
+    """Return what to cite for a result: the program, papers of body, algorithm, theory."""
     # with Matplotlib, which a solve has no need of
     from ..plotting.theory import scene_of, theory_of
 

@@ -128,12 +128,8 @@ class Solution(Solved):
             The numbers of the load, by the names of the result file; one load.
         make_result : callable
             Makes all that a result file holds, when it is first looked at.
-        rows : (int, int), optional
-            Rows (start, stop) of this rank; default: all.
-        comm : Comm, optional
-            All ranks; default: this process alone.
-        contact : Contact, optional
-            The solved load in memory, for numbers and fields that the result does not have.
+        rows, comm, contact
+            Rows (start, stop) of this rank; all ranks; the solved load in memory.
         """
         super().__init__(steps, make_result, rows, comm)
         (self._step,) = steps
@@ -296,10 +292,7 @@ class Solution(Solved):
         return html_table(self.result, across=False)
 
     def _field(self, name: str) -> np.ndarray:
-        """Return a field, read or computed at the first call and then kept.
-
-        Raises SceneError if it was not stored and cannot be computed.
-        """
+        """Return a field, read or computed at the first call and then kept, or raise SceneError."""
         if name not in self._arrays:
             stored = self.result.fields[0]
             if name in stored:
@@ -317,10 +310,7 @@ class Solution(Solved):
 
     @cached_property
     def _whole_contact(self) -> "Contact":
-        """The contact in memory, or one restored from the stored fields (`restored_contact`).
-
-        Raises SceneError if it has to be restored and the pressure or the gap was not stored.
-        """
+        """The contact in memory, or one restored from the stored pressure and gap."""
         from .restored import restored_contact
 
         return self._contact or restored_contact(self.result)

@@ -81,14 +81,10 @@ class Solutions(Solved, Sequence[Solution]):
             The numbers of each load, by the names of the result file.
         make_result : callable
             Makes all that a result file holds, when it is first looked at.
-        rows : (int, int), optional
-            Rows (start, stop) of this rank; default: all.
-        comm : Comm, optional
-            All ranks; default: this process alone.
+        rows, comm, contacts
+            Rows (start, stop) of this rank; all ranks; solved loads in memory, None without fields.
         status : str
             The worst status of all loads, or that of the run.
-        contacts : sequence of Contact or None, optional
-            The solved loads in memory; None for one without fields.
         path : Path, optional
             The result file.
         exit_code : int, optional

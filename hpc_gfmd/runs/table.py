@@ -67,7 +67,7 @@ PER_CENT = ("a_r", "a_r_corrected", *ERRORS)
 def table(
     steps: Mapping[int, dict], surface: dict, observables: Iterable[str] = (), errors: bool = False
 ) -> str:
-    """Return the table of load steps, given by their numbers, as text.
+    """Return the table of load steps, by their numbers, as text.
 
     Each requested observable has a column, and `errors` columns of their own if set; otherwise they
     follow +-. Below are unconverged steps and notes.
@@ -93,10 +93,7 @@ class GrowingTable:
         self._heading: list[list[str]] = []
 
     def add(self, steps: dict[int, dict]) -> str:
-        """Add new steps, by their numbers, and return their rows as text.
-
-        The headings come first if they are not those returned last, as when a unit changes.
-        """
+        """Add new steps and return their rows, after headings if these have changed."""
         self._steps |= steps
         rows = cells(self._steps, self._surface, self._observables)
         lines = aligned(rows, NARROWEST)
@@ -120,10 +117,7 @@ def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
 
 
 def html_table(result: Result, across: bool = True) -> str:
-    """Return the table of a result as HTML, with the surface and all notes below it.
-
-    A step is a row, or a column if not `across`.
-    """
+    """Return a result as an HTML table, steps as rows or columns, surface and notes below."""
     from pandas import DataFrame
 
     steps = result.numbered
@@ -190,10 +184,7 @@ def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, s
 
 
 def _cell(key: str, value: Any, scale: float, step: dict) -> str:
-    """Return the text of a number of a step, divided by `scale`, with its estimated error if known.
-
-    "-" for None, "yes" or "no" for a bool.
-    """
+    """Return a number of a step over `scale` with its error if known; "-" for None."""
     if value is None or isinstance(value, str):
         return value or "-"
     if isinstance(value, bool):

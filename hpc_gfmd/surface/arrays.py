@@ -19,19 +19,11 @@ def is_topography(value: Any) -> bool:
 
 
 def of_topography(topography: Any) -> Map:
-    """Return heights and metadata of a Topography of SurfaceTopography.
+    """Return heights (float64, masked where missing) and metadata of a Topography of
+    SurfaceTopography.
 
-    Parameters
-    ----------
-    topography : SurfaceTopography.Topography
-
-    Returns
-    -------
-    heights : masked ndarray, shape (n_x, n_y)
-        float64, masked where the Topography has no height.
-    metadata : Metadata
-        Its sizes and units. It is periodic if the Topography is; otherwise that is left open, since
-        most formats say nothing of it.
+    It is periodic if the Topography is; otherwise that is left open, since most formats say nothing
+    of it.
     """
     named = topography
     while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
@@ -47,19 +39,11 @@ def of_topography(topography: Any) -> Map:
 
 
 def unreliable(topography: Any) -> tuple[float, str] | None:
-    """Return the wave length below which a Topography shows the instrument, and a note on it.
+    """Return the wave length in m below which a Topography shows the instrument, and a note on it,
+    or None.
 
     That is the limit set by the tip or the resolution of the instrument, as SurfaceTopography knows
-    it; shorter waves are not those of the surface.
-
-    Parameters
-    ----------
-    topography : SurfaceTopography.Topography
-
-    Returns
-    -------
-    (float, str) or None
-        The wave length in m and the note; None if it or the unit of the Topography is unknown.
+    it.
     """
     has_unit = isinstance(topography.unit, str)
     cutoff = topography.short_reliability_cutoff() if has_unit else None
@@ -74,22 +58,10 @@ def unreliable(topography: Any) -> tuple[float, str] | None:
 
 
 def checked_array(heights: Any) -> np.ndarray:
-    """Convert heights to an array and check that they are a map; the values are not read.
+    """Return heights as an array (a masked array stays one); the values are not read.
 
-    Parameters
-    ----------
-    heights : array_like, shape (n_x, n_y)
-
-    Returns
-    -------
-    ndarray
-        heights itself if it is an array already (a masked array stays one).
-
-    Raises
-    ------
-    SceneError
-        If heights is a path, is not a non-empty real array with two axes, or is an array of xarray
-        whose first axis is y.
+    Raises SceneError if it is a path, is not a non-empty real array with two axes, or is an array
+    of xarray whose first axis is y.
     """
     if isinstance(heights, str | PathLike):
         path = repr(str(heights))
@@ -122,22 +94,7 @@ def _from_lowest(heights: np.ndarray) -> np.ndarray:
 
 
 def complete_array(heights: Any) -> np.ndarray:
-    """Convert heights to an array as `checked_array` does, and refuse masked points.
-
-    Parameters
-    ----------
-    heights : array_like, shape (n_x, n_y)
-
-    Returns
-    -------
-    ndarray
-        heights itself if it is an array already; nan is not looked for.
-
-    Raises
-    ------
-    SceneError
-        As `checked_array`, and if a point is masked.
-    """
+    """Convert heights to an array as `checked_array`, and refuse masked points, but not nan."""
     heights = checked_array(heights)
     if np.ma.is_masked(heights):
         raise SceneError(

@@ -22,32 +22,20 @@ SMALL = 4096  # bytes of what an archive says of sizes and units
 
 @dataclass(frozen=True)
 class FileArray:
-    """Heights in a file: array[i0:i1] or array[:, j0:j1] reads this part, nan where missing.
-
-    Attributes
-    ----------
-    shape : (int, int)
-    dtype : dtype
-        Type of the numbers as they are stored.
-    name : str
-        Name of the array in the file.
-    unpacked : function
-        Converts the numbers as they are stored to heights.
-    find : function
-        Takes the name of an array and returns it, or anything sliced like one, or None.
-    has_mask : bool
-        Whether an array "mask" lies beside the heights; where it is not 0 the height is missing.
-    """
+    """Heights in a file: array[i0:i1] or array[:, j0:j1] reads this part, nan where missing."""
 
     shape: tuple[int, ...]
-    dtype: np.dtype
-    name: str
+    dtype: np.dtype  # of the numbers as they are stored
+    name: str  # of the array in the file
+    # converts the numbers as they are stored to heights
     unpacked: Callable[[np.ndarray], np.ndarray]
+    # takes the name of an array; returns it, or anything sliced like one, or None
     find: Callable[[str], Any]
+    # Whether an array "mask" lies beside the heights; where it is not 0 the height is missing.
     has_mask: bool = False
 
     def __getitem__(self, part: Any) -> np.ndarray:
-        """Read a part of the heights, an index of NumPy, nan where the mask is not 0.
+        """Read a part of the heights, nan where the mask is not 0.
 
         Raises ValueError if the mask holds other floating-point numbers than 0 and 1.
         """
@@ -61,25 +49,8 @@ class FileArray:
 
 
 def read_npy(contents: Contents, spec: Any) -> Map:
-    """Open an array that numpy.save wrote; pickled objects are refused.
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-        Not used: the file has one array and no names.
-
-    Returns
-    -------
-    heights : ndarray
-        Mapped into memory and read-only, or read whole if the file was packed.
-    metadata : Metadata
-        Empty: the format has no place for it.
-
-    Raises
-    ------
-    SceneError, ValueError, OSError
-        If the file cannot be read.
+    """Open an array that numpy.save wrote, mapped into memory or, of a packed file, read whole;
+    pickled objects are refused.
     """
     if contents.unpacked is None:
         return np.lib.format.open_memmap(contents.path, mode="r"), Metadata()
@@ -90,24 +61,8 @@ def read_npz(contents: Contents, spec: Any) -> Map:
     """Open one array of those that numpy.savez wrote, with sizes and units beside it.
 
     The file is opened again and the array read when its first rows are wanted; it then stays in
-    memory. Points have no height where an array `mask` beside it is not 0.
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-        Its `dataset` names the array.
-
-    Returns
-    -------
-    heights : FileArray, two axes
-    metadata : Metadata
-        From the arrays physical_sizes, unit or units, and periodic.
-
-    Raises
-    ------
-    SceneError, ValueError, OSError
-        If the file cannot be read, or does not have exactly one array that `dataset` may mean.
+    memory. Points have no height where an array `mask` beside it is not 0. Metadata are from the
+    arrays physical_sizes, unit or units, and periodic.
     """
     with np.load(contents.source, allow_pickle=False) as file:
         arrays = [name for name in file.files if f"{name}.npy" in file.zip.namelist()]
@@ -132,26 +87,10 @@ def read_npz(contents: Contents, spec: Any) -> Map:
 
 
 def read_hdf5(contents: Contents, spec: Any) -> Map:
-    """Open one data set of an HDF5 or NetCDF 4 file.
+    """Open one data set of an HDF5 or NetCDF 4 file, which stays open as long as the FileArray
+    exists.
 
-    The file stays open as long as the FileArray exists.
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-        Its `dataset` names the data set.
-
-    Returns
-    -------
-    heights : FileArray, two axes
-    metadata : Metadata
-        From attributes of the data set, its axes and the file.
-
-    Raises
-    ------
-    SceneError, ValueError, OSError
-        If the file cannot be read, or does not have exactly one data set that `dataset` may mean.
+    Metadata are from attributes of the data set, its axes and the file.
     """
     import h5py
 
@@ -197,26 +136,9 @@ def read_hdf5(contents: Contents, spec: Any) -> Map:
 
 
 def read_netcdf(contents: Contents, spec: Any) -> Map:
-    """Open one variable of a NetCDF 3 file.
+    """Open one variable of a NetCDF 3 file, which stays open as long as the FileArray exists.
 
-    The file stays open as long as the FileArray exists.
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-        Its `dataset` names the variable.
-
-    Returns
-    -------
-    heights : FileArray, two axes
-    metadata : Metadata
-        From attributes of the variable and its axes.
-
-    Raises
-    ------
-    SceneError, ValueError, OSError
-        If the file cannot be read, or does not have exactly one variable that `dataset` may mean.
+    Metadata are from attributes of the variable and its axes.
     """
     from scipy.io import netcdf_file
 
@@ -244,28 +166,11 @@ def read_netcdf(contents: Contents, spec: Any) -> Map:
 
 
 def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple[str, ...]]:
-    """Choose the height map of a file: the array that the scene names, or else the only one.
+    """Choose the height map of a file, the array that the scene names or else the only one; return
+    its name and those of the others.
 
     Arrays without two axes are never chosen. An array "mask" and, beside wider arrays, those with a
-    single row or column are chosen only by name.
-
-    Parameters
-    ----------
-    shapes : mapping
-        {name of an array: shape}
-    spec : scene.File
-        Its `dataset` is the name, or ANY if the scene gives none.
-
-    Returns
-    -------
-    name : str
-    other_names : tuple of str
-        Names of the other maps in the file.
-
-    Raises
-    ------
-    SceneError
-        If the scene names no array of two axes and there is not exactly one map.
+    single row or column are chosen only by name. Raises SceneError without a choice.
     """
     flat = [name for name, shape in shapes.items() if len(shape) == 2]
     maps = [name for name in flat if name != MASK]
@@ -287,26 +192,10 @@ def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple
 def is_mask(
     shape: tuple[int, ...] | None, dtype: np.dtype, shape_of_heights: tuple[int, ...]
 ) -> bool:
-    """Whether the array "mask" beside the heights marks points as missing.
+    """Whether the array "mask" beside the heights marks points as missing; not if it is NumPy's
+    scalar that says "nothing is masked".
 
-    Parameters
-    ----------
-    shape : tuple of int
-        Shape of the mask.
-    dtype : dtype
-        Type of the mask.
-    shape_of_heights : (int, int)
-        Shape of the array of heights.
-
-    Returns
-    -------
-    bool
-        False for NumPy's scalar that says "nothing is masked".
-
-    Raises
-    ------
-    ValueError
-        If the mask has another shape than the heights, or is not numeric.
+    Raises ValueError if it has another shape than the heights, or is not numeric.
     """
     if shape == () and dtype.kind == "b":  # NumPy's for "nothing is masked"
         return False

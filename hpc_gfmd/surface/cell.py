@@ -12,35 +12,23 @@ from ..parallel.grid import Grid
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """Empty space that the grid has along an axis beyond a surface with free edges.
+    """Empty space that the grid has along an axis beyond a surface with free edges: the largest of
+    the lengths that these numbers give.
 
-    It is the largest of the lengths that these numbers give. They were measured by what more space
-    changes, see tests/physics/test_free.py.
-
-    Attributes
-    ----------
-    share : float
-        In units of the length of the axis.
-    of_longest : float
-        In units of (length of the axis times the square of the longest side with free edges)^(1/3),
-        which limits the number of coupled modes (bodies/free.py).
-    points : int
-        In grid points.
-    spacings : float
-        In grid spacings of any axis with free edges, to resolve these modes.
-    periodic_spacings : int
-        In grid spacings of any other axis that has more than one point.
-    slender : int
-        The square of the longest side over the product of a side and the space beyond it is at most
-        this, since otherwise S, the displacements per pressure (bodies/free.py), would not be
-        positive. A space of half of the longest side suffices in any case.
+    They were measured by what more space changes, see tests/physics/test_free.py.
     """
 
-    share: float = 1 / 2
+    share: float = 1 / 2  # in units of the length of the axis
+    # In units of (length of the axis times the square of the longest side with free edges)^(1/3),
+    # which limits the number of coupled modes (bodies/free.py).
     of_longest: float = 0.42
-    points: int = 64
+    points: int = 64  # in grid points
+    # in grid spacings of any axis with free edges, to resolve these modes
     spacings: float = 2 * NEEDED
-    periodic_spacings: int = 4
+    periodic_spacings: int = 4  # in grid spacings of any other axis that has more than one point
+    # The square of the longest side over the product of a side and the space beyond it is at most
+    # this, since otherwise S (bodies/free.py) would not be positive. A space of half of the longest
+    # side suffices in any case.
     slender: int = 256
 
 
@@ -48,21 +36,8 @@ FREE_SPACE = FreeSpace()
 
 
 def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
-    """Return the grid points along each axis on which a surface is solved.
-
-    Parameters
-    ----------
-    n : (int, int)
-        Points of the surface.
-    free : (bool, bool)
-        Whether the edges are free along x, along y.
-    sizes : (float, float)
-        (L_x, L_y) of the surface.
-
-    Returns
-    -------
-    (int, int)
-        n along periodic axes; along axes with free edges more, a number that is fast to transform.
+    """Return the grid points on which a surface is solved: more than its own along axes with free
+    edges, a number that is fast to transform.
     """
     space = FREE_SPACE
     axes = list(zip(n, sizes, free))
@@ -91,26 +66,10 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
 def grid_of(
     n: tuple, sizes: tuple[float, ...], comm: Any, free: tuple[bool, bool], threads: int = 1
 ) -> Grid:
-    """Make the grid on which a surface is solved, with empty space beyond free edges.
+    """Make the grid on which a surface, its nominal area, is solved, with empty space beyond free
+    edges.
 
-    Parameters
-    ----------
-    n : (int, int)
-        Points of the surface.
-    sizes : (float, float)
-        (L_x, L_y) of the surface.
-    comm : Comm
-        All ranks that share the rows.
-    free : (bool, bool)
-        Whether the edges are free along x, along y.
-    threads : int
-        Threads of this rank.
-
-    Returns
-    -------
-    Grid
-        Its nominal area is the surface. It may share scratch memory with earlier grids of its size
-        (`Grid.kept`).
+    It may share scratch memory with earlier grids of its size (`Grid.kept`).
     """
     cell = cell_of(n, free, sizes)
     whole = tuple(size * m / k for size, m, k in zip(sizes, cell, n))
@@ -118,10 +77,7 @@ def grid_of(
 
 
 def nominal_part(grid: Grid) -> Grid:
-    """Return the grid of the nominal area alone, with rows on the same ranks as in `grid`.
-
-    This is `grid` itself if it is not padded.
-    """
+    """Return the grid of the nominal area alone, its rows on the same ranks as in `grid`."""
     if not grid.padded:
         return grid
     starts = np.minimum(grid.starts, grid.nominal[0])

@@ -20,10 +20,11 @@ LEFT_AS_IT_IS = (None, "center", "do-not-fill")  # filters that change nothing o
 
 
 def read(contents: Contents, spec: Any) -> Map:
-    """Read the only map of a container, or the one that spec.dataset names; spec: a scene.File.
+    """Read the only map of a container, or the one that spec.dataset names, filtered as the
+    container says.
 
-    Heights are filtered as the container says, with a remark. Raises SceneError with the names of
-    all maps if none is chosen, and ValueError if there are only profiles.
+    Raises SceneError with the names of all maps if none is chosen, and ValueError if there are only
+    profiles.
     """
     surface_topography()
     from SurfaceTopography.Container.IO import open_container
@@ -74,9 +75,8 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def _remarks(about: dict, metadata: Metadata) -> list[str]:
-    """Return what the container did to a map, and where it contradicts the file of the map.
-
-    about: what the container says of it. metadata: what the file says, which holds.
+    """Return what the container did to a map, and where the file of the map, which holds,
+    differs.
     """
     filters = [about.get("detrend_mode"), about.get("fill_undefined_data_mode")]
     remarks = [

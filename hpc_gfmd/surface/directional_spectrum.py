@@ -15,24 +15,12 @@ NAMES = ("q_x", "q_y", "C")
 
 @dataclass(frozen=True, eq=False)
 class DirectionalSpectrum:
-    """A power spectrum between whose rows and columns C is linear; beyond them it is 0.
+    """A power spectrum between whose rows and columns C is linear; beyond them it is 0."""
 
-    Attributes
-    ----------
-    q_x : ndarray
-        Wave numbers along x, rising, of both signs.
-    q_y : ndarray
-        Wave numbers along y, rising, 0 or more: C(-q) = C(q).
-    C : ndarray, shape (len(q_x), len(q_y))
-        L_x L_y <|h_q|^2>.
-    unit : str
-        "m", or "" without a unit.
-    """
-
-    q_x: np.ndarray
-    q_y: np.ndarray
-    C: np.ndarray
-    unit: str = ""
+    q_x: np.ndarray  # wave numbers along x, rising, of both signs
+    q_y: np.ndarray  # wave numbers along y, rising, 0 or more: C(-q) = C(q)
+    C: np.ndarray  # (len(q_x), len(q_y)), L_x L_y <|h_q|^2>
+    unit: str = ""  # "m", or "" without a unit
 
     def in_metres(self, size: float) -> Self:
         """Return a copy in m; size: of the unit of length of the numbers, in m."""
@@ -55,10 +43,7 @@ def is_directional(path: str) -> bool:
 
 
 def read_directional(path: str) -> DirectionalSpectrum:
-    """Read the arrays q_x, q_y, C of a .npz or HDF5 file.
-
-    Raises SceneError if they cannot be read, or are no spectrum.
-    """
+    """Read the arrays q_x, q_y, C of a .npz or HDF5 file, or raise SceneError."""
     try:
         with np.load(path) if Path(path).suffix == ".npz" else h5py.File(path) as file:
             arrays = [np.asarray(file[name][()], float) for name in NAMES]

@@ -10,10 +10,7 @@ OVERLOAD = 10.0  # mean pressure over E*
 
 
 def slope_notes(g_rms: float, measured: bool) -> list[SurfaceWarning]:
-    """Return a note on an rms slope that is too large, or too small for a measured surface.
-
-    A synthetic surface may have any small slope.
-    """
+    """Return a note on an rms slope that is too large, or too small for a measured surface."""
     low, high = REAL_SLOPES
     if g_rms > high or (measured and 0 < g_rms < low):
         return [SurfaceWarning(f"g_rms = {g_rms:.2g}: heights and sizes {DIFFERENT_UNITS}")]

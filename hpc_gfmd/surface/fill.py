@@ -1,7 +1,4 @@
-"""Missing heights, filled harmonically.
-
-Each is the mean of its four neighbours, so that holes are closed as by a soap film.
-"""
+"""Missing heights, filled as by a soap film: each is the mean of its four neighbours."""
 
 import numpy as np
 
@@ -13,24 +10,10 @@ NEIGHBOURS = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 
 
 def filled(topography: Topography, how: str) -> Topography:
-    """Fill the missing heights of a map.
+    """Return a copy of a map with missing heights filled ("harmonic") or refused ("none"); the map
+    itself if none is missing.
 
-    Parameters
-    ----------
-    topography : Topography
-        Not changed.
-    how : str
-        "harmonic", or "none" to refuse missing heights.
-
-    Returns
-    -------
-    Topography
-        A copy, with a line in `prepared`; topography itself if no height is missing.
-
-    Raises
-    ------
-    SceneError
-        If heights are missing and how is "none", if all are missing, or if memory does not suffice.
+    Raises SceneError also if all are missing, or if memory does not suffice.
     """
     z = topography.heights()
     missing = np.isnan(z)
@@ -60,12 +43,11 @@ def filled(topography: Topography, how: str) -> Topography:
 
 
 def _film(n: tuple[int, ...], points: np.ndarray, beside: np.ndarray) -> np.ndarray:
-    """Compute the heights of missing points, each the mean of its four neighbours.
+    """Compute the heights of missing points, each the mean of its four neighbours; beyond an edge a
+    point is its own neighbour.
 
-    n: points along x and y. points: indices i n_y + j of the missing ones, ascending. beside: the
-    four heights around each, in the order of NEIGHBOURS, nan where they are missing too. For each
-    point the equation is 4 z - (sum of z of missing neighbours) = sum of the other neighbours,
-    where beyond an edge the point is its own neighbour.
+    points: indices i n_y + j, ascending. beside: the four heights around each, in the order of
+    NEIGHBOURS, nan where they are missing too.
     """
     from scipy.sparse import coo_array, eye_array  # 50 MB that a run without holes does without
 

@@ -1,7 +1,5 @@
-"""The linear equations of a soap film over holes.
-
-They are solved by conjugate gradients, preconditioned by multigrid over aggregates of points, in
-memory proportional to the number of points.
+"""The linear equations of a soap film over holes: conjugate gradients, preconditioned by multigrid
+over aggregates of points.
 """
 
 from typing import Any
@@ -19,21 +17,8 @@ OVERCORRECTION = 1.8  # constant pieces are stiffer than the film
 class FilmLevel:
     """One level of the multigrid.
 
-    Parameters
-    ----------
-    matrix : csr_array
-        Equations of the points of this level.
-    parents : ndarray of int or None
-        Index in the next coarser level of the aggregate of each point; None: the coarsest level.
-
-    Attributes
-    ----------
-    matrix, parents
-        As given.
-    weights : ndarray
-        DAMPING over the diagonal of the matrix.
-    factors : SuperLU, optional
-        Factorisation of the matrix, on the coarsest level only.
+    parents: index in the next coarser level of the aggregate of each point; None on the coarsest
+    level, which has `factors` of its matrix; `weights`: DAMPING over the diagonal of the matrix.
     """
 
     def __init__(self, matrix: Any, parents: np.ndarray | None) -> None:
@@ -46,26 +31,11 @@ class FilmLevel:
 
 
 def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Solve matrix z = right for the heights z of points in holes.
+    """Solve matrix z = right (symmetric, positive definite) for the heights z of points x, y in
+    holes.
 
-    Parameters
-    ----------
-    matrix : csr_array, shape (points, points)
-        Symmetric and positive definite.
-    right : ndarray, shape (points,)
-    x, y : ndarray of int, shape (points,)
-        Grid indices of the points.
-
-    Returns
-    -------
-    ndarray, shape (points,)
-
-    Raises
-    ------
-    MemoryError
-        If the factorisation does not fit into memory.
-    ArithmeticError
-        If the iterations do not converge.
+    Raises MemoryError if the factorisation does not fit into memory, ArithmeticError without
+    convergence.
     """
     from scipy.sparse.linalg import LinearOperator, cg, spsolve
 
@@ -80,9 +50,8 @@ def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> 
 
 
 def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[FilmLevel]:
-    """Build the levels, finest first: points within 2 x 2 grid points become one on the next level.
-
-    matrix, x and y are as for `solve_film`. The coarsest level has at most DIRECT points.
+    """Build the levels, finest first, to at most DIRECT points: points within 2 x 2 grid points
+    become one on the next level.
     """
     from scipy.sparse import csr_array
 
@@ -104,11 +73,7 @@ def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[FilmLevel]:
 
 
 def _cycle(levels: list[FilmLevel], depth: int, residual: np.ndarray) -> np.ndarray:
-    """Return an approximate solution of the equations of levels[depth] by one symmetric V-cycle.
-
-    residual: right-hand side, one number per point of this level; not changed. Calls itself for the
-    coarser levels.
-    """
+    """Return an approximate solution of the equations of levels[depth] by one symmetric V-cycle."""
     level = levels[depth]
     residual = residual.ravel()
     if level.parents is None:

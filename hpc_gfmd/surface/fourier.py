@@ -28,14 +28,8 @@ FORMS = (
 class Coefficients:
     """Coefficients c_k, one of each pair c_k and c_-k, without the mean.
 
-    Attributes
-    ----------
-    k_x, k_y : ndarray
-        Mode numbers, sorted by k_y, with k_y > 0, or k_y = 0 and k_x > 0.
-    c : ndarray
-        In units of the largest one.
-    unit : float
-        The largest |c_k|.
+    Mode numbers are sorted by k_y, with k_y > 0, or k_y = 0 and k_x > 0; c is in units of the
+    largest |c_k|, `unit`.
     """
 
     k_x: np.ndarray
@@ -65,10 +59,9 @@ class Coefficients:
 
 
 def fourier_modes(spec: Any, comm: Any) -> Modes:
-    """Return the modes of a scene's [surface] of kind "fourier". Collective.
+    """Return the modes of a [surface] of kind "fourier", all on every rank. Collective.
 
-    Every rank has all coefficients. Raises SceneError on all ranks if they cannot be read, or if
-    the grid does not resolve them.
+    Raises SceneError on all ranks if they cannot be read, or if the grid does not resolve them.
     """
     coefficients = on_rank_0(comm, "reading the coefficients", lambda: _read(spec))
     for axis, n, k in zip("xy", spec.n, (coefficients.k_x, coefficients.k_y)):

@@ -21,9 +21,10 @@ Quantiles = Callable[[np.ndarray], np.ndarray]
 
 
 def with_distribution(z: np.ndarray, spec: Any) -> tuple[np.ndarray, str]:
-    """Return heights with the waves of z and the distribution of a scene's [surface], and a line.
+    """Return heights with the waves of z (periodic, not flat) and the distribution of a [surface],
+    and a line on them.
 
-    z: periodic heights, not flat. Raises SceneError if there is no such distribution.
+    Raises SceneError if there is no such distribution.
     """
     import scipy.fft
 

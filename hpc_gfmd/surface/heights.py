@@ -14,20 +14,10 @@ A_MAP = "a real array with two axes, not empty"
 
 
 def require_map(array: Any, where: str, of: str = "") -> None:
-    """Require a non-empty array of real numbers with two axes; only shape and dtype are checked.
+    """Raise SceneError unless an array is not empty, real and has two axes; values are not read.
 
-    Parameters
-    ----------
-    array : ndarray, or anything sliced like one
-    where : str
-        Key of the scene at the start of the message.
-    of : str
-        Appended to the finding, such as " in map.txt".
-
-    Raises
-    ------
-    SceneError
-        If it is not such an array.
+    where: key of the scene at the start of the message; of: appended to the finding, such as " in
+    map.txt".
     """
     shape = tuple(array.shape)
     dtype = array.dtype
@@ -42,32 +32,11 @@ def require_map(array: Any, where: str, of: str = "") -> None:
 def checked(
     z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False
 ) -> np.ndarray:
-    """Return z after checking that heights and their squares are finite.
+    """Return heights, float64, as they are, or raise SceneError if one is infinite, beyond
+    +-LARGEST, or nan unless `missing`.
 
-    Instruments often write nan or the largest number for points that they could not measure.
-
-    Parameters
-    ----------
-    z : ndarray
-        Heights, float64; not changed.
-    start : int
-        Index of its first row in the map, for the message.
-    where : str
-        Key of the scene at the start of the message.
-    of : str
-        Appended to the finding, such as " in map.txt".
-    missing : bool
-        Whether nan is allowed.
-
-    Returns
-    -------
-    ndarray
-        z itself.
-
-    Raises
-    ------
-    SceneError
-        If a height is infinite, beyond +-LARGEST, or nan although missing is False.
+    Instruments often write nan or the largest number for points that they could not measure. start:
+    index of the first row in the map; where, of: as for `require_map`.
     """
     wrong = ~(np.abs(z) <= LARGEST)
     if missing:
@@ -87,30 +56,12 @@ def checked(
 def checksum(
     grid: Any, z: np.ndarray, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
 ) -> str:
-    """Compute a checksum of heights, the same for any number of ranks. Collective.
+    """Compute a checksum of heights (slab), points, sizes and unit, the same for any number of
+    ranks.
 
     Of each row it is the sum of its numbers times odd random ones, modulo 2^64; of these the BLAKE2
-    checksum.
-
-    It also depends on points, sizes and their unit. Synthetic surfaces need none: the scene
-    determines them, and a billion points are made faster than they are summed.
-
-    Parameters
-    ----------
-    grid : Grid
-    z : ndarray
-        This rank's slab of the grid, float64.
-    n : (int, int)
-        Points of the map along x and y.
-    sizes : (float, float)
-        (L_x, L_y) of the map.
-    unit : str
-        Unit of the sizes.
-
-    Returns
-    -------
-    str
-        32 hexadecimal digits, on all ranks.
+    checksum. Synthetic surfaces need none: the scene determines them, and a billion points are made
+    faster than they are summed. Collective.
     """
     factors = _odd_factors(z.shape[1])
 

@@ -48,24 +48,11 @@ def detects(contents: Contents) -> bool:
 
 
 def read(contents: Contents, spec: Any) -> Map:
-    """Read one channel of a file of an instrument, with all its heights.
+    """Read one channel of a file of an instrument, by default heights, with all its points (masked
+    where missing).
 
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-        Its `dataset` names the channel; by default heights are preferred to other quantities.
-
-    Returns
-    -------
-    heights : ndarray, shape (n_x, n_y)
-        Masked where they are missing.
-    metadata : Metadata
-
-    Raises
-    ------
-    SceneError, ValueError
-        If no reader of SurfaceTopography takes the file, or the file does not have the channel.
+    Raises SceneError or ValueError if no reader of SurfaceTopography takes the file, or it does not
+    have the channel.
     """
     reader = _reader_of(contents)
     if reader.format() == "gwy" and not _maps_of(reader):
@@ -74,43 +61,16 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def read_x3p(contents: Contents, spec: Any) -> Map:
-    """Read an X3P file, with all its heights.
+    """Read an X3P file, with all its heights (masked where missing).
 
     Unlike SurfaceTopography it accepts files that lie in a folder of the archive, and a revision
     that is written with another dash than in the standard.
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-
-    Returns
-    -------
-    heights : ndarray, shape (n_x, n_y)
-        Masked where they are missing.
-    metadata : Metadata
-
-    Raises
-    ------
-    SceneError, ValueError
-        If the file is damaged or has no map of heights.
     """
     return _read_channel(_open(_normalised_x3p(contents), "x3p"), spec)
 
 
 def of_zygo(contents: Contents, spec: Any) -> Map | None:
-    """Read an HDF5 file if it is one of Zygo (DATX).
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-
-    Returns
-    -------
-    Map or None
-        Heights and metadata as `read` returns them; None for any other HDF5 file.
-    """
+    """Read an HDF5 file if it is one of Zygo (DATX); None for any other."""
     import h5py
 
     with h5py.File(contents.source, "r", locking=False) as file:
@@ -120,19 +80,7 @@ def of_zygo(contents: Contents, spec: Any) -> Map | None:
 
 
 def recognised(contents: Contents, spec: Any) -> Map | None:
-    """Read a file if SurfaceTopography can and finds sizes or a unit in it; no errors.
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-
-    Returns
-    -------
-    Map or None
-        Heights and metadata as `read` returns them; None if reading fails or the file has neither
-        sizes nor a unit.
-    """
+    """Read a file if SurfaceTopography can and finds sizes or a unit in it, else return None."""
     with suppress(Exception):
         heights, metadata = _read_channel(_detected(contents), spec)
         return (heights, metadata) if metadata.sizes or metadata.unit else None
@@ -140,26 +88,11 @@ def recognised(contents: Contents, spec: Any) -> Map | None:
 
 
 def topography_of_channel(contents: Contents, dataset: str) -> Any:
-    """Return the SurfaceTopography object of a channel, chosen among the channels as by `read`.
+    """Return the SurfaceTopography object of a channel, chosen as by `read`; of size 1 x 1 if the
+    file has no sizes.
 
     The file is opened by the first reader of SurfaceTopography that takes it, which for some files
-    is not the one that `read` prefers.
-
-    Parameters
-    ----------
-    contents : Contents
-    dataset : str
-        Name of the channel, or ANY to choose one that seems to be heights.
-
-    Returns
-    -------
-    SurfaceTopography.Topography
-        Of size 1 x 1 if the file has no sizes.
-
-    Raises
-    ------
-    Exception
-        Whatever the readers of SurfaceTopography raise.
+    is not the one that `read` prefers. Raises whatever readers raise.
     """
     channel = _channel_of(_detected(contents), dataset)
     sized = channel.physical_sizes is not None
@@ -167,10 +100,10 @@ def topography_of_channel(contents: Contents, dataset: str) -> Any:
 
 
 def _open(source: Any, kind: str | None = None) -> Any:
-    """Open a path or a stream by a reader of SurfaceTopography, which must not print.
+    """Open a path or a BytesIO, which stays in use, by a reader of SurfaceTopography, which must
+    not print.
 
-    source: a path, or a BytesIO that stays in use as long as the reader. kind: name of the format;
-    None: the first that takes the file. Returns the reader.
+    kind: name of the format; None: the first that takes the file.
     """
     io = surface_topography().IO
     source = source if isinstance(source, BytesIO) else str(source)
@@ -179,20 +112,16 @@ def _open(source: Any, kind: str | None = None) -> Any:
 
 
 def _detected(contents: Contents) -> Any:
-    """Return the reader of SurfaceTopography that takes a file first, with the file open in it.
-
-    Raises CannotDetectFileFormat if none does.
-    """
+    """Return the reader of SurfaceTopography that takes a file first, or raise its error."""
     return _open(contents.source)
 
 
 def _reader_of(contents: Contents) -> Any:
     """Return a reader for a file: one that recognises the bytes, else one that knows the suffix.
 
-    A reader that recognises the bytes but finds no map comes after those that know the suffix.
-
-    Raises ValueError with the reasons if readers that know the suffix fail, and SceneError with the
-    known formats if there are none.
+    A reader that recognises the bytes but finds no map comes last. Raises ValueError with the
+    reasons if readers that know the suffix fail, and SceneError with the known formats if there are
+    none.
     """
     io = surface_topography().IO
     suffix = Path(contents.name or contents.path).suffix.lower().lstrip(".")
@@ -235,15 +164,9 @@ def _channel_of(reader: Any, dataset: str) -> Any:
     """Choose a channel: the one that dataset names, or else one that seems to be heights.
 
     Channels with a unit of length, and without a name such as "phase" or "error", come first. Of
-    these it is the reader's default, or one with a name such as "topography", or the first.
-
-    Raises
-    ------
-    SceneError
-        If there is no map of that name.
-    ValueError
-        If there is no map or, in formats of arrays of any meaning, no name is given and there is
-        not exactly one array.
+    these it is the reader's default, or one with a name such as "topography", or the first. Raises
+    SceneError if there is no map of that name, ValueError if there is no map or, in formats of
+    arrays of any meaning, several.
     """
     maps = _maps_of(reader)
     if not maps:
@@ -278,11 +201,7 @@ def _is_length(channel: Any) -> bool:
 
 
 def _read_channel(reader: Any, spec: Any) -> Map:
-    """Read heights and metadata of the channel that `_channel_of` chooses for spec.dataset.
-
-    spec: a scene.File. Returns them as `read` does. Raises SceneError if there is no such channel,
-    and ValueError if there is no map.
-    """
+    """Read heights and metadata of the channel that `_channel_of` chooses for spec.dataset."""
     channel = _channel_of(reader, spec.dataset)
     sized = channel.physical_sizes is not None
     topography = channel.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)}))
@@ -301,10 +220,7 @@ def _read_channel(reader: Any, spec: Any) -> Map:
 
 
 def _corrected(metadata: Metadata) -> Metadata:
-    """Return metadata with sizes in nm if SurfaceTopography took them for mm in an "nms" file.
-
-    Sizes above 1 m show the mistake.
-    """
+    """Return metadata with sizes in nm if an "nms" file was read in mm: above 1 m."""
     unit = length_factor(metadata.sizes_unit or "") or 0.0
     is_wrong = metadata.sizes is not None and max(metadata.sizes) * unit > LONGEST
     if metadata.reader != NANOMETRES_AS_MILLIMETRES or not is_wrong or metadata.sizes is None:
@@ -314,11 +230,7 @@ def _corrected(metadata: Metadata) -> Metadata:
 
 
 def _of_gwyddion(contents: Contents, spec: Any) -> Map:
-    """Read a Gwyddion file whose maps have no unit of length; SurfaceTopography would skip them.
-
-    Raises ValueError if there is no map, and SceneError if spec.dataset does not name one of
-    several.
-    """
+    """Read a Gwyddion file whose maps have no unit of length; SurfaceTopography would skip them."""
     import gwyfile
 
     with contents.open() as stream:
@@ -349,19 +261,12 @@ def _of_gwyddion(contents: Contents, spec: Any) -> Map:
 
 
 def _unit_of(field: Any, key: str) -> str:
-    """Return the unit that a map of Gwyddion has, "" if none.
-
-    field: a GwyDataField. key: "si_unit_xy" for the sizes, "si_unit_z" for the values.
-    """
+    """Return the unit of the sizes ("si_unit_xy") or values ("si_unit_z") of Gwyddion, or ""."""
     return str((field.get(key) or {}).get("unitstr", "")).strip()
 
 
 def _normalised_x3p(contents: Contents) -> BytesIO:
-    """Return a copy of an X3P archive that SurfaceTopography can read.
-
-    main.xml is moved out of its folder, and the revision is spelt as in the standard. Raises
-    ValueError if there is no main.xml.
-    """
+    """Return a copy of an X3P archive with main.xml and its revision as in the standard."""
     out = BytesIO()
     with contents.open() as stream, ZipFile(stream) as archive, ZipFile(out, "w") as clean:
         names = archive.namelist()

@@ -18,54 +18,26 @@ AddModes = Callable[[np.ndarray, Any, Any, int, int], None]
 
 @dataclass(frozen=True)
 class Modes:
-    """The Fourier modes of the heights of a surface.
+    """The Fourier modes of the heights of a surface."""
 
-    Attributes
-    ----------
-    add : function
-        See `AddModes`; it is called on several threads at once.
-    unit : float, optional
-        Length of the unit of the modes; None if only their shape is given, with h_rms or g_rms.
-    checksum : str, optional
-        Of the file that they are from; None if the scene determines them.
-    prepared : function, optional
-        prepared(roughness) returns lines on the surface, see `Surface.prepared`. roughness: of the
-        surface, a Roughness in lengths.
-    """
-
-    add: AddModes
+    add: AddModes  # called on several threads at once
+    # length of the unit of the modes; None if only their shape is given, with h_rms or g_rms
     unit: float | None = None
-    checksum: str | None = None
+    checksum: str | None = None  # of the file that they are from; None if the scene determines them
+    # prepared(roughness in lengths) returns lines on the surface, see `Surface.prepared`
     prepared: Callable[[Roughness], tuple[str, ...]] | None = None
 
 
 def gap_of_modes(
     modes: Modes, grid: Grid, dtype: DTypeLike, made_in: DTypeLike
 ) -> tuple[np.ndarray, Roughness, Callable]:
-    """Make the gap under zero load of a surface from its modes. Collective.
+    """Make the gap under zero load, z_max - z, of a surface from its modes, scaled to g_rms = 1.
 
-    The transforms of the grid in precision made_in are used as scratch memory.
-
-    Parameters
-    ----------
-    modes : Modes
-    grid : Grid
-    dtype : dtype
-        Precision of the gap.
-    made_in : dtype
-        Precision of the transforms. Single precision has several times the errors of storing the
-        gap.
-
-    Returns
-    -------
-    gap : ndarray
-        z_max - z, this rank's slab, scaled so that g_rms = 1 per grid spacing; 0 for no modes.
-    roughness : Roughness
-        In the unit of the modes and of the grid spacing.
-    add_spectrum : function
-        add_spectrum(fft) returns add(block, m), for `fft.columns`: it adds the transform of minus
-        the gap, without a factor 1/N, to the columns of block m. It is computed again, so that
-        heights need not be kept.
+    made_in: precision of the transforms, which are used as scratch memory; single precision has
+    several times the errors of storing the gap. Returns this rank's slab; the Roughness in the unit
+    of the modes and of the grid spacing; and add_spectrum(fft), which returns add(block, m) for
+    `fft.columns`: it adds the transform of minus the gap, without a factor 1/N, computed again so
+    that heights need not be kept. Collective.
     """
     fft = grid.fft(made_in)
 

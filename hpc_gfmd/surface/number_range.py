@@ -24,43 +24,18 @@ LARGEST_P_STAR = 1e100
 
 
 def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
-    """Whether a dtype holds all numbers between two magnitudes as normal numbers.
-
-    Parameters
-    ----------
-    dtype : dtype
-    smallest, largest : float
-        The magnitudes; False unless smallest is positive.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a dtype holds all numbers between two magnitudes (> 0) as normal numbers."""
     info = np.finfo(dtype)
     return float(info.tiny) < smallest and largest < float(info.max)
 
 
 def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
-    """Choose the dtype in which to store a field in the scene's units, from bounds on its values.
+    """Choose the dtype in which to store a field in the scene's units, double if `dtype` cannot
+    hold it.
 
-    The bounds: no point carries more than N p_mean; heights with rms slope 1 per point differ by
-    less than N; a displacement is less than N times that.
-
-    Parameters
-    ----------
-    name : str
-        Name of the field; all but "pressure" are lengths.
-    dtype : dtype
-        Precision in which the contact was solved.
-    p_mean : float
-        Mean pressure on the wall in the scene's units; only used for "pressure", which gets float64
-        if it is not positive.
-    surface : Surface
-
-    Returns
-    -------
-    dtype
-        dtype if it holds all values, else float64.
+    The bounds: no point carries more than N p_mean (a pressure whose p_mean is not positive gets
+    float64); heights with rms slope 1 per point differ by less than N; a displacement is less than
+    N times that.
     """
     of_pressure = name == "pressure"
     N = surface.grid.N
@@ -71,38 +46,13 @@ def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) ->
 
 
 def single_solves(p_star: float, N: int) -> bool:
-    """Whether single precision holds the pressures of a contact, and squares of the larger ones.
-
-    Parameters
-    ----------
-    p_star : float
-        Mean pressure in the program's units; False unless it is positive.
-    N : int
-        Number of grid points.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether single precision holds the pressures at p_star > 0, and squares of larger ones."""
     return fits(np.float32, float(np.finfo(np.float32).eps) * p_star, (N * max(p_star, 1.0)) ** 2)
 
 
 def require_range(E_star: float, surface: Surface, pressures: Sequence[float]) -> None:
-    """Require that double precision holds the numbers of the contacts.
-
-    Parameters
-    ----------
-    E_star : float
-        Contact modulus in the scene's units.
-    surface : Surface
-    pressures : sequence of float
-        Magnitudes of the mean pressures, in the unit of E_star, none of them 0.
-
-    Raises
-    ------
-    SceneError
-        If a unit of the program, in the scene's units, or a mean pressure is too small or too
-        large.
+    """Raise SceneError unless double precision holds the program's units and the mean pressures
+    (not 0) of the contacts.
     """
     unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
     for quantity, value in [

@@ -11,23 +11,11 @@ UNWRITTEN = 15 * 2.0**119  # NetCDF's number where nothing was written
 
 
 def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function that converts the stored numbers of a variable to heights.
+    """Return a function that converts stored numbers of a variable to heights, nan where missing or
+    outside of the valid range.
 
-    Parameters
-    ----------
-    attributes : mapping
-        Attributes of the variable; used are those of PACKING and `_Unsigned`, in any case.
-
-    Returns
-    -------
-    function
-        Takes stored numbers and returns a new array of heights, float64, nan where they are missing
-        or outside of the valid range.
-
-    Raises
-    ------
-    ValueError
-        If one of these attributes is not a number.
+    Used are the attributes PACKING and `_Unsigned`, in any case. Raises ValueError if one is not a
+    number.
     """
     by_name = {name.lower(): value for name, value in attributes.items()}
     numbers = {name: _numbers(name, by_name[name]) for name in PACKING if name in by_name}
@@ -60,7 +48,7 @@ def _in_type(values: np.ndarray, dtype: np.dtype) -> np.ndarray:
     """Return values as they would be after being stored in a dtype, as float64.
 
     They are rounded to floating-point types; in unsigned types negative values become those with
-    the same bits. Infinite values, and those that do not fit, stay as they are.
+    the same bits. Infinite values, and those that do not fit, stay.
     """
     if dtype.kind == "f":
         with np.errstate(over="ignore"):
@@ -71,10 +59,7 @@ def _in_type(values: np.ndarray, dtype: np.dtype) -> np.ndarray:
 
 
 def _numbers(name: str, value: Any) -> np.ndarray:
-    """Return the numbers of an attribute, float64, shape (k,), as a new array.
-
-    Raises ValueError, with the name, if the attribute has none.
-    """
+    """Return the numbers of an attribute, float64, shape (k,), or raise ValueError."""
     array = np.ravel(value)
     if array.size < 1 or array.dtype.kind not in "fiu":
         raise ValueError(f"its attribute {name} is no number")
@@ -82,9 +67,8 @@ def _numbers(name: str, value: Any) -> np.ndarray:
 
 
 def _text(value: Any) -> str:
-    """Return the text of an attribute that is a single text or number.
-
-    "" for an array of any other size. An attribute that is absent (None) gives "None".
+    """Return the text of an attribute that is a single text or number, "" for an array of another
+    size, "None" without it.
     """
     array = np.ravel(value)
     text = array[0] if array.size == 1 else ""

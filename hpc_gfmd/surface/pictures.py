@@ -1,7 +1,5 @@
-"""Heights as pictures: TIFF and PNG.
-
-Whole numbers stand for a range of heights that the scene gives; numbers with decimals (TIFF) are
-heights.
+"""Heights as pictures, TIFF and PNG: whole numbers stand for a range of heights that the scene
+gives; numbers with decimals (TIFF) are heights.
 """
 
 from typing import Any
@@ -27,55 +25,22 @@ _ALLOWED = (
 
 
 def read_png(contents: Contents, spec: Any) -> Map:
-    """Read a PNG, x to the right, y down.
+    """Read a PNG, x to the right, y down, nan at the numbers that spec.missing lists.
 
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-        Its height_range gives the heights of the lowest and the highest number that the type can
-        hold.
-
-    Returns
-    -------
-    heights : ndarray, shape (n_x, n_y)
-        nan at the numbers that spec.missing lists.
-    metadata : Metadata
-
-    Raises
-    ------
-    ValueError
-        If the picture has colours, or height_range is not given.
+    spec.height_range gives the heights of the lowest and the highest number that the type can hold.
+    Raises ValueError without it, and for colours.
     """
     z = _grey(contents)
     return _heights(z, np.isin(z, missing_numbers(spec, contents.path)), spec, ())
 
 
 def read_tiff(contents: Contents, spec: Any) -> Map:
-    """Read a TIFF, x to the right, y down.
+    """Read a TIFF, x to the right, y down, nan where a mask, a tag of GDAL or spec.missing says so.
 
-    If SurfaceTopography finds sizes or a unit in it, its reading is returned, and nothing of what
-    follows applies. Numbers that spec.missing or GDAL's tag lists are compared as they are stored;
-    then GDAL's scale and offset are applied, after which numbers count as decimals.
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-        Its height_range gives the heights of the lowest and the highest number that the type can
-        hold, if numbers are whole.
-
-    Returns
-    -------
-    heights : ndarray, shape (n_x, n_y)
-        nan where a mask, a tag of GDAL or spec.missing says that they are missing.
-    metadata : Metadata
-
-    Raises
-    ------
-    ValueError
-        If the file has colours or several pictures or is stored turned, or if height_range is given
-        for numbers with decimals or not given for whole ones.
+    If SurfaceTopography finds sizes or a unit in it, its reading is returned. Else missing numbers
+    are compared as they are stored; then GDAL's scale and offset are applied, after which numbers
+    count as decimals. Whole numbers need spec.height_range, as for `read_png`. Raises ValueError
+    for colours, several pictures or one that is stored turned.
     """
     if (scan := instruments.recognised(contents, spec)) is not None:
         return scan
@@ -113,11 +78,11 @@ def read_tiff(contents: Contents, spec: Any) -> Map:
 
 
 def _heights(z: np.ndarray, holes: np.ndarray, spec: Any, scaled: tuple) -> Map:
-    """Convert the numbers z of a picture, shape (n_y, n_x), to heights and metadata.
+    """Convert the numbers z (n_y, n_x) of a picture, with holes, to heights (n_x, n_y) and
+    metadata.
 
-    The heights have shape (n_x, n_y). holes: True where they are missing, shape (n_y, n_x). scaled:
-    (scale, offset) that were applied to z before, for a remark; () if there are none. Raises
-    ValueError if z has colours, or if spec.height_range does not suit its type.
+    scaled: (scale, offset) that were applied to z before, for a remark, or (). Raises ValueError if
+    z has colours, or if spec.height_range does not suit its type.
     """
     if z.ndim != 2:
         raise ValueError(f"found an array {z.shape} of {z.dtype}, allowed: {_ALLOWED}")
@@ -148,10 +113,7 @@ def _heights(z: np.ndarray, holes: np.ndarray, spec: Any, scaled: tuple) -> Map:
 
 
 def _grey(contents: Contents) -> np.ndarray:
-    """Read a picture with one whole number per point by Pillow, shape (n_y, n_x).
-
-    Raises ValueError if it has colours.
-    """
+    """Read a picture with one whole number per point, (n_y, n_x); ValueError for colours."""
     from PIL import Image
 
     with Image.open(contents.source) as picture:
@@ -164,8 +126,8 @@ def _grey(contents: Contents) -> np.ndarray:
 def _unpacked(contents: Contents, page: Any) -> np.ndarray:
     """Read the one picture of a packed TIFF by Pillow, in the type of numbers that the file names.
 
-    page: tifffile's. Raises ValueError if it has colours, if Pillow reads its numbers less exactly
-    or as others, or if it inverts them (0 stands for white).
+    Raises ValueError if it has colours, if Pillow reads its numbers less exactly or as others, or
+    if it inverts them (0 stands for white).
     """
     from PIL import Image
 
@@ -183,10 +145,7 @@ def _unpacked(contents: Contents, page: Any) -> np.ndarray:
 
 
 def _numbers(text: Any) -> np.ndarray:
-    """Return the number in GDAL's tag for missing points, as an array of one number or none.
-
-    text: the tag, as text or bytes. Raises ValueError if it holds anything else.
-    """
+    """Return the number in GDAL's tag for missing points, if there is one, as an array."""
     text = text.decode("ascii", "replace") if isinstance(text, bytes) else str(text)
     try:
         return np.array([float(text.strip("\0 "))]) if text.strip("\0 ") else np.array([])
@@ -195,9 +154,10 @@ def _numbers(text: Any) -> np.ndarray:
 
 
 def _scale_and_offset(text: Any) -> tuple[float, float]:
-    """Return the scale and offset of the heights in GDAL's metadata, (1, 0) where it has none.
+    """Return the scale and offset of the heights in GDAL's metadata (XML), (1, 0) where it has
+    none.
 
-    text: XML, as text or bytes. Raises ParseError or ValueError if it is damaged.
+    Raises ParseError or ValueError if it is damaged.
     """
     text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
     scale = 1.0

@@ -213,26 +213,13 @@ def require_rows(q: np.ndarray, C: np.ndarray, where: str = "surface", of: str =
 
 
 def of_isotropic_surface(profiles: Spectrum) -> Spectrum:
-    """Return the spectrum of the isotropic surface whose profiles have a given one.
+    """Return the spectrum, at the same q, of the isotropic surface whose profiles have a given one
+    (C in unit^3).
 
     C(q) = -2 integral from q to infinity of dC1/dq' / sqrt(q'^2 - q^2) dq', where C1 is that of the
     profiles, h_rms^2 = (1/pi) times the integral of C1 dq (Jacobs, Junge & Pastewka 2017). Beyond
-    its last row C1 is taken to go on with the last power law.
-
-    Parameters
-    ----------
-    profiles : Spectrum
-        Its C are those of profiles, in unit^3.
-
-    Returns
-    -------
-    Spectrum
-        At the same q.
-
-    Raises
-    ------
-    SceneError
-        If C1 rises, or does not fall at its end, which no isotropic surface shows.
+    its last row C1 is taken to go on with the last power law. Raises SceneError if C1 rises, or
+    does not fall at its end, which no isotropic surface shows.
     """
     from scipy.special import beta, betainc
 

@@ -22,7 +22,7 @@ NO_LAWS = (0.0, 0.0, *[np.empty(0)] * 4)
 
 
 def spectrum_modes(spec: Any, comm: Any) -> Modes:
-    """Return the modes of a scene's [surface] of kind "spectrum". Collective.
+    """Return the modes of a [surface] of kind "spectrum". Collective.
 
     Raises SceneError on all ranks if the spectrum cannot be read, or does not fit to the grid.
     """
@@ -141,10 +141,7 @@ def _checksum(spectrum: Spectrum | DirectionalSpectrum) -> str:
 
 
 def _compared(spec: Any, of_table: Roughness, made: Roughness) -> tuple[str, ...]:
-    """Return a line with the roughness of the spectrum beside that of the surface.
-
-    Where the surface is scaled to an h_rms or g_rms, so is the spectrum.
-    """
+    """Return a line with the roughness of the spectrum beside that of the surface."""
     scale = 1.0
     if spec.h_rms is not None:
         scale = made.h_rms / of_table.h_rms

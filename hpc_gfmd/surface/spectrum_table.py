@@ -22,31 +22,12 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?|[-+]?(nan|inf)", r
 def read_spectrum_table(
     path: Any, unit: str | None, dimension: int | None
 ) -> tuple[np.ndarray, np.ndarray, int, str]:
-    """Read a table of a power spectrum.
+    """Read q (1/unit), C (unit^4, of profiles unit^3), dimension and unit ("" without) of a table
+    of a power spectrum.
 
-    Its first two columns are q and C; the others are ignored, as is a row q = 0, the mean height.
-
-    Parameters
-    ----------
-    path : path
-        Text with columns separated by commas, semicolons, tabulators or blanks.
-    unit : str, optional
-        Unit of length of q and C, if the head does not have it.
-    dimension : int, optional
-        2 for C of areas, 1 for C of profiles, if the head does not have its unit.
-
-    Returns
-    -------
-    q, C : ndarray
-        In 1/unit and unit^4 or unit^3.
-    dimension : int
-    unit : str
-        "" without a unit.
-
-    Raises
-    ------
-    SceneError
-        If it cannot be read, is no spectrum, or contradicts unit or dimension.
+    Columns beyond the first two are ignored, as is a row q = 0, the mean height. unit, dimension (2
+    for C of areas, 1 for C of profiles): if the head does not have them. Raises SceneError if the
+    table cannot be read, is no spectrum, or contradicts them.
     """
     head, rows = _head_and_rows(path)
     q, C = rows[rows[:, 0] != 0].T

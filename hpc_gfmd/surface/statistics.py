@@ -27,24 +27,11 @@ class Roughness:
 
 
 def rms(grid: Grid, fill: Any) -> tuple[float, float]:
-    """Compute rms height and slope of a periodic field from its spectrum. Collective.
+    """Compute rms height and slope (per grid spacing a) of a periodic field from its spectrum.
 
-    h_rms^2 = sum_{q != 0} |h_q|^2, g_rms^2 = sum_q q^2 |h_q|^2. The cost is half an FFT pair; the
-    transforms of the grid in double precision are used as scratch memory.
-
-    Parameters
-    ----------
-    grid : Grid
-    fill : function
-        fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab into the first rows of x. It is
-        called on several threads at once.
-
-    Returns
-    -------
-    h_rms : float
-        In the unit of the field; its mean does not count.
-    g_rms : float
-        In the unit of the field per grid spacing a.
+    h_rms^2 = sum_{q != 0} |h_q|^2, g_rms^2 = sum_q q^2 |h_q|^2. Takes half an FFT pair of the grid
+    in double precision. fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab into x, on
+    several threads at once. Collective.
     """
     fft = grid.fft(np.float64)
     fft.forward_rows(fill)
@@ -53,21 +40,11 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
 
 
 def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
-    """Compute rms height and slope from differences between neighbouring points. Collective.
+    """Compute rms height and slope (per grid spacing a) from differences between neighbours, not
+    across free edges.
 
-    Parameters
-    ----------
-    grid : Grid
-    fill : function
-        fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab, of a field with mean 0, into x.
-        It is called once, for all rows.
-    free : (bool, bool)
-        Whether the edges are free along x, along y: no difference is taken across them.
-
-    Returns
-    -------
-    h_rms, g_rms : float
-        In the unit of the field, and per grid spacing a.
+    fill(i0, i1, x) puts rows of this rank's slab, of a field with mean 0, into x; called once.
+    Collective.
     """
     x = np.empty(grid.shape)
     fill(0, len(x), x)
@@ -91,22 +68,12 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
 
 
 def roughness_of_columns(grid: Grid, fft: Any, make: Any) -> Roughness:
-    """Compute the roughness from the columns of a spectrum. Collective.
+    """Compute the roughness, in the unit of the field and the spacing a, from the columns of a
+    spectrum.
 
-    Parameters
-    ----------
-    grid : Grid
-    fft : SlabFFT
-        What it holds is changed.
-    make : function, optional
-        make(block, m) puts h_q, in the normalisation of the grid, into block m of the columns,
-        which is 0 before, on several threads at once; afterwards fft holds the rows of the field,
-        ready for backward_rows. None: fft holds the rows that forward_rows has transformed.
-
-    Returns
-    -------
-    Roughness
-        In the unit of the field and of the grid spacing a.
+    make(block, m) puts h_q, in the normalisation of the grid, into block m of the columns, which is
+    0 before, on several threads at once; afterwards fft holds the rows of the field, ready for
+    backward_rows. None: fft holds the rows that forward_rows has transformed. Collective.
     """
     q_x = grid.q_x.astype(fft.dtype)
     q_y, weight = grid.once(("columns", fft.dtype), lambda: grid.column_tables(fft))

@@ -14,47 +14,25 @@ from .doubtful_numbers import slope_notes
 
 @dataclass(frozen=True)
 class Surface:
-    """A rough surface on the grid on which it is solved, in the program's units.
+    """A rough surface on the grid on which it is solved, in the program's units."""
 
-    Attributes
-    ----------
-    grid : Grid
-        Along an axis with free edges it is longer than the surface, see cell.py. For a surface that
-        varies along one axis only it has one point along the other, and every rank holds all of it.
-    h : ndarray
-        Initial gap in units of g_rms a, >= 0 with minimum 0: this rank's part of the nominal area
-        of `grid`. None after it has been handed over.
-    n : (int, int)
-        Points along x and y as the scene gives them.
-    h_rms, g_rms : float
-        Realised rms height and slope, in the scene's units. For a flat surface g_rms = 0, and units
-        are made with g_rms = 1 instead.
-    rows : (int, int)
-        This rank's rows start <= i < stop of the surface with n points.
-    add_spectrum : function, optional
-        Recomputes the heights in Fourier space, see modes.py; None if they have no formula
-        there.
-    checksum : str, optional
-        Checksum of the heights as they were read; None if the scene determines them.
-    unit : str
-        "m" if sizes and heights are in m, "" if they have no unit.
-    prepared : tuple of str
-        What was done to a height map, a line each.
-    map_notes : tuple of SurfaceWarning
-        Remarks on a height map for the user.
-    """
-
+    # Along an axis with free edges it is longer than the surface, see cell.py. For a surface that
+    # varies along one axis only it has one point along the other, and every rank holds all of it.
     grid: Grid
+    # Initial gap in units of g_rms a, >= 0 with minimum 0: this rank's part of the nominal area of
+    # `grid`. None after it has been handed over.
     h: np.ndarray | None
-    n: tuple[int, ...]
-    h_rms: float
-    g_rms: float
-    rows: tuple[int, int]
+    n: tuple[int, ...]  # points along x and y as the scene gives them
+    h_rms: float  # realised rms height, in the scene's units
+    g_rms: float  # realised rms slope; 0 for a flat surface, whose units are made with g_rms = 1
+    rows: tuple[int, int]  # this rank's rows start <= i < stop of the surface with n points
+    # Recomputes the heights in Fourier space, see modes.py; None if they have no formula there.
     add_spectrum: Callable[[SlabFFT], Columns] | None = None
+    # of the heights as they were read; None if the scene determines them
     checksum: str | None = None
-    unit: str = ""
-    prepared: tuple[str, ...] = ()
-    map_notes: tuple[SurfaceWarning, ...] = ()
+    unit: str = ""  # "m" if sizes and heights are in m, "" if they have no unit
+    prepared: tuple[str, ...] = ()  # what was done to a height map, a line each
+    map_notes: tuple[SurfaceWarning, ...] = ()  # remarks on a height map for the user
 
     @property
     def sizes(self) -> tuple[float, ...]:
@@ -84,8 +62,5 @@ class Surface:
 
     @property
     def reduced_axis(self) -> int | None:
-        """Axis (0 or 1) along which heights do not change, so that `grid` has one point there.
-
-        None if `grid` has all points of the surface, as it always does with free edges.
-        """
+        """Axis along which heights do not change, with one point of `grid`, or None."""
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
