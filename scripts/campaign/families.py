@@ -6,6 +6,7 @@ from . import closing_walls, defects, formed_walls, free_walls, light_loads, rou
 from . import (  # noqa: F401
     hard_targets,
     hard_walls,
+    histories,
     hostile_displacements,
     laws,
     plastic_walls,

@@ -131,6 +131,16 @@ def scene_wall(surface, loads):
     return Wall(wall.heights, wall.sizes, tuple(loads), 1.0, surface, units=False, free=wall.free)
 
 
+def keywords(wall):
+    """Return the keywords of hpc_gfmd.solve that describe a wall."""
+    return {
+        "E_star": wall.E_star,
+        "physical_sizes": wall.physical_sizes,
+        "boundary": ["free" if ends else "periodic" for ends in wall.free],
+        "fields": ["pressure"],
+    }
+
+
 def outcome(solution, contact, true, claimed=None, **columns):
     """Return the columns of a solution.
 

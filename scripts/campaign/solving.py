@@ -13,6 +13,7 @@ import tomli_w
 import hpc_gfmd
 
 from .families import make, outcome
+from .registry import keywords
 from .truth import truths
 
 ERROR_OF_TARGET = {"a_r": 0, "gap_over_h_rms": 1}  # index of the error of a target
@@ -135,16 +136,6 @@ def _judged_targets(wall, way, contact, exact, hardness):
             columns |= missed(solution, truth, contact, quantity, value, way["accuracy"], hardness)
             columns["true"][ERROR_OF_TARGET[quantity]] += columns["missed"]
         yield number, columns
-
-
-def keywords(wall):
-    """Return the keywords of hpc_gfmd.solve that describe a wall."""
-    return {
-        "E_star": wall.E_star,
-        "physical_sizes": wall.physical_sizes,
-        "boundary": ["free" if ends else "periodic" for ends in wall.free],
-        "fields": ["pressure"],
-    }
 
 
 def missed(solution, truth, contact, quantity, value, accuracy, hardness=None):

@@ -112,7 +112,7 @@ def target_area_any(rng):
     names = [
         name
         for name in FAMILIES
-        if name.partition("_")[0] not in ("target", "sweep", "hard", "plastic")
+        if name.partition("_")[0] not in ("target", "sweep", "hard", "plastic", "history")
     ]
     wall = FAMILIES[choice(rng, [name for name in names if name != "long_strip"])](rng)
     with_areas = areas_of(rng, np.asarray(wall.heights, float))

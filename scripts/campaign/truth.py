@@ -54,6 +54,8 @@ class Truth:
         Largest relative violation of p = p0 + K u, g = u + h, p >= 0, g >= 0, mean p = p0.
     rounds : int
         Linear problems.
+    gap : ndarray
+        In units of g_rms a, below 0 in dents.
     """
 
     pressure: np.ndarray
@@ -63,6 +65,7 @@ class Truth:
     ties_out: int
     kkt: float
     rounds: int
+    gap: np.ndarray
 
     def errors(self, contact, gap_mean, pressure):
         """Return the true relative errors of area, mean gap and pressure field (L2).
@@ -225,6 +228,7 @@ class Contact:
             ties_out,
             float(kkt),
             rounds,
+            g[D].reshape(self.shape),
         )
 
     def _yielding(self, p_star, hardness):
@@ -289,8 +293,10 @@ class Contact:
         is_open = D & ~elastic & ~yielded
         ties_out = int(np.sum(is_open & (exact < TIE * max(gap_mean, 1e-6 * h.max()))))
         touching = int(elastic.sum() + yielded.sum())
-        field = p[D].reshape(self.shape)
-        return Truth(field, touching, float(gap_mean), ties_in, ties_out, float(kkt), rounds)
+        pressure, gap = (field[D].reshape(self.shape) for field in (p, exact))
+        return Truth(
+            pressure, touching, float(gap_mean), ties_in, ties_out, float(kkt), rounds, gap
+        )
 
     def _violation(self, p, g, elastic, yielded, p_star):
         """Return the relative violation (L2) of p = p0 + K (g - h) or, where it is less, that of

@@ -1,9 +1,12 @@
 """The truths of the campaign agree with dense linear algebra."""
 
+from dataclasses import replace
+
 import numpy as np
 import oracle
 import pytest
 from campaign import families
+from campaign.histories import Steps
 from campaign.truth import Contact
 
 WALLS = [
@@ -53,6 +56,29 @@ def test_it_agrees_with_dense_linear_algebra(name):
             exact = oracle.solve_yielding(z, load, limit, 1.0, sizes)
             assert max(hard.kkt, abs(hard.contact / z.size - exact.a_r)) < TOLERANCE
             assert np.abs(hard.pressure * contact.g_rms - exact.pressure).max() < TOLERANCE * limit
+
+
+def test_steps_of_a_history_agree_with_dense_linear_algebra():
+    """An element that relaxes, and dents."""
+    wall = families.make("history_dents", 5, 1)
+    z = np.random.default_rng(1).standard_normal((7, 9))
+    steps = Steps(replace(wall, heights=z, physical_sizes=(1.0, 1.0), E_star=2.0), [(0.7, 2.0)])
+    dents = u = q = 0
+    for load, dt in ((5.0, 0.0), (3.0, 1.0), (8.0, 1.0)):
+        e = np.exp(-dt / 2)
+        f = 2 * (1 - e) if dt else 1.0
+        k = 0.3 + 0.7 * f
+        contact, truth, modulus = steps.solve(load, dt, 20.0)
+        changed = z - dents + 0.7 * (e * q - f * u) / k
+        exact = oracle.solve_yielding(changed, load, 20.0, 2 * k)
+        assert truth.gap * contact.height_unit == pytest.approx(exact.gap, abs=1e-9)
+        pressure = truth.pressure * modulus * contact.g_rms
+        assert pressure == pytest.approx(exact.pressure, abs=1e-8)
+        dents = dents + np.maximum(-exact.gap, 0)
+        after = np.maximum(exact.gap, 0) + z - z.max() - dents
+        q = e * q + f * (after - u)
+        u = after
+    assert dents.max() > 0
 
 
 def test_errors_are_those_of_the_definition():
