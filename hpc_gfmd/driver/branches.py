@@ -3,6 +3,7 @@ solver leaves a saddle.
 
 The approach branch comes down from larger gaps: from the contact without attraction, or from a
 smaller load before. The retraction branch comes up from smaller gaps: from the larger load before.
+In a cycle each load comes from the one before, on the branch of its direction.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from ..kernels.adhesive_rows import gain_along
 if TYPE_CHECKING:
     from ..solvers.base import Solver
 
-APPROACH, RETRACTION = "approach", "retraction"
+APPROACH, RETRACTION, CYCLE = "approach", "retraction", "cycle"
 ENOUGH = 1.1  # a stability is accurate enough above this factor times what the errors require
 KICKS = 12  # largest number of kicks away from saddles for one load
 # lengths of a kick that are tried: its largest change of the gap, in ranges of the attraction
@@ -28,8 +29,10 @@ KICK_LENGTHS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
 def goes_on(branch: str, p0: float, p0_before: float) -> bool:
     """Return whether a load may start from the solution of the load before on a branch: on
     retraction if the load does not rise, on approach if it does not fall and the one before was
-    above 0.
+    above 0, in a cycle always.
     """
+    if branch == CYCLE:
+        return True
     if branch == RETRACTION:
         return p0 <= p0_before
     return 0 < p0_before <= p0

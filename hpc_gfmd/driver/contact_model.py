@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..bodies.halfspace import HALF_SPACE
-from .branches import APPROACH, RETRACTION
+from .branches import APPROACH, CYCLE, RETRACTION
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
     from ..laws.base import Law
+    from .load import Load
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,8 @@ class ContactModel:
         Law of attraction, in the unit of E_star and that of the surface's lengths; None without
         attraction.
     branch : str
-        Which equilibrium is sought with an attraction: "approach" or "retraction", see branches.py.
+        Which equilibrium is sought with an attraction: "approach", "retraction" or "cycle", see
+        branches.py.
     unique : bool
         Whether each load is also solved on the other branch, to compare the two.
     lam_s : float or None
@@ -56,9 +58,13 @@ class ContactModel:
         return replace(self, attraction=None, branch=APPROACH, unique=False)
 
     @property
-    def retracts(self) -> bool:
-        """Whether there is an attraction and the branch is retraction.
+    def follows(self) -> bool:
+        """Whether there is an attraction, and loads start from the solution of the load before,
+        however far: on retraction if they do not rise, in a cycle always."""
+        return self.attraction is not None and self.branch in (RETRACTION, CYCLE)
 
-        Then a load that does not rise starts from the solution of the load before.
-        """
-        return self.attraction is not None and self.branch == RETRACTION
+    def branch_of(self, load: Load) -> str:
+        """Return the branch of a load: approach or retraction."""
+        if self.branch == CYCLE:
+            return RETRACTION if load.parts else APPROACH
+        return self.branch

@@ -33,12 +33,16 @@ class Load:
         load that the sweep has not prepared yet.
     time : float
         When it is reached; only a body that relaxes (history.py) asks.
+    parts : bool
+        Whether it holds the bodies farther apart than the load before; only a cycle of adhesion
+        (branches.py) asks.
     """
 
     quantity: str
     value: float
     target: Target = field(default_factory=lambda: Target(nan))
     time: float = 0.0
+    parts: bool = False
 
     @property
     def p0(self) -> float:
@@ -50,20 +54,12 @@ class Load:
         """Whether the prescribed quantity is the mean pressure."""
         return self.quantity == "pressure"
 
-    def is_beyond(self, separated: Load | None) -> bool:
-        """Return whether this load holds the bodies at least as far apart as another one.
-
-        Parameters
-        ----------
-        separated : Load or None
-            The load, of the same quantity (mean gap or approach), at which the bodies came apart;
-            None, which gives False, if they have not.
-        """
-        if separated is None:
-            return False
-        if self.quantity == "approach":
-            return self.value <= separated.value
-        return self.value >= separated.value
+    def is_beyond(self, other: Load) -> bool:
+        """Return whether this load holds the bodies at least as far apart as another one of the
+        same quantity, which is no area."""
+        if self.quantity == "gap_mean":
+            return self.value >= other.value
+        return self.value <= other.value
 
     @property
     def closes(self) -> bool:

@@ -130,8 +130,8 @@ def _require_lengths(
     # the mean gap where the highest peak just touches
     largest = working.heights.top * working.surface.slope / unit
     for index, value in enumerate(values):
-        # on retraction the attraction may hold the bodies together beyond that
-        may_be_larger = working.model.retracts and index > 0
+        # on retraction and in a cycle the attraction may hold the bodies together beyond that
+        may_be_larger = working.model.follows and index > 0
         if quantity == "gap_mean" and not (value < largest or may_be_larger):
             allowed = f"below {format_quantity(largest, value)}, where the highest peak touches"
         elif 0 < value < resolution * largest:

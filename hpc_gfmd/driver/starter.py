@@ -214,7 +214,7 @@ class Starter:
         if working.model.attraction is not None:
             if not goes_on(working.model.branch, load.p0, before):
                 return False
-            if working.model.retracts:  # however far: the state before is part of what is asked
+            if working.model.follows:  # however far: the state before is part of what is asked
                 return True
         return 1 / WARM < load.p0 / before < WARM
 

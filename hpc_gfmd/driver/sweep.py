@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..bodies.halfspace import HALF_SPACE
 from ..contact.contact import compared
 from ..parallel import interrupt
 from ..util.errors import SceneError
-from .branches import SaddleGuard
+from .branches import CYCLE, SaddleGuard
 from .contact_model import ContactModel
 from .drive import drive
 from .full_contact import Closing, Pressure, needs_double
@@ -148,7 +149,11 @@ class Sweep:
         Nothing is solved, and no load has a search yet. Collective. Raises SceneError for loads
         that this surface cannot have, see `loads_of`.
         """
-        return loads_of(table, self.working, self.settings, self.starter.solver_class)
+        loads = loads_of(table, self.working, self.settings, self.starter.solver_class)
+        if self.working.model.branch != CYCLE:
+            return loads
+        pairs = pairwise(loads)
+        return [loads[0], *(replace(load, parts=load.is_beyond(before)) for before, load in pairs)]
 
     def solve(
         self, load: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
@@ -185,11 +190,11 @@ class Sweep:
         """
         if self.working.is_flat:
             return flat_contact(self.working, load, self.starter.criterion)
-        if self._failed and not self.working.model.retracts:
+        if self._failed and not self.working.model.follows:
             self.starter.forget()
         held = None
         if self.working.model.attraction is not None and not load.is_pressure:
-            if self.working.model.retracts and load.is_beyond(self._separated_at):
+            if self._stays_separated(load):
                 separated = self._separated(load, 0, 0.0).contact
                 assert separated is not None
                 return separated
@@ -316,7 +321,7 @@ class Sweep:
         pairs += start.pairs
         if self._needs_double(load):  # as the coarser grids have found
             return Attempt(None, pairs + solver.pairs)
-        guard = SaddleGuard(solver, model.branch) if attracts else None
+        guard = SaddleGuard(solver, model.branch_of(load)) if attracts else None
         outcome = drive(solver, start.criterion, watch, load.target, guard, start.certificate)
         pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
@@ -360,6 +365,17 @@ class Sweep:
             return "stagnated"
         return outcome.status
 
+    def _stays_separated(self, load: Load) -> bool:
+        """Return whether bodies that have come apart stay so at a mean gap or approach: it holds
+        them at least as far apart, or undeformed bodies do not touch at it."""
+        if not self.working.model.follows or self._separated_at is None:
+            return False
+        if load.quantity == "approach":
+            touches = load.value > 0
+        else:
+            touches = load.value < self.working.heights.top * self.working.surface.slope
+        return load.is_beyond(self._separated_at) or not touches
+
     def _separated(self, load: Load, iterations: int, pairs: float) -> Attempt:
         """Return the contact of bodies that have come apart, and drop the solver."""
         self.starter.forget()
@@ -383,7 +399,7 @@ class Sweep:
         """
         sweep = self._on_same_surface(self.working.model.on_other_branch)
         start = None
-        if sweep.working.model.retracts:
+        if sweep.working.model.follows:
             start = Unfinished(np.zeros_like(contact.g), contact.p_mean, iterations=0, pairs=0.0)
         other = sweep.solve(Load("pressure", contact.p_mean), self._raise_if_stopped, start)
         return replace(
@@ -394,14 +410,14 @@ class Sweep:
         """Prepare a mean gap or an approach with attraction, which a spring holds.
 
         Returns a copy of the load with its target, a `Held`; the gap to start from (the unfinished
-        one, or on retraction that of the load before, else that of the contact without attraction,
-        which is solved here); and the FFT pairs that this took. Collective.
+        one, or on retraction and in a cycle that of the load before, else that of the contact
+        without attraction, which is solved here); and the FFT pairs that this took. Collective.
         """
         working, solver = self.working, self.starter.solver
         pairs = 0.0
         if unfinished is not None:
             gap, p0 = unfinished.gap, unfinished.p_mean / working.pressure_unit
-        elif working.model.retracts and solver is not None:
+        elif working.model.follows and solver is not None:
             gap, p0 = solver.g.copy(), solver.p0
         else:
             bare = self._on_same_surface(working.model.without_attraction)

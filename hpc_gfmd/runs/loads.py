@@ -20,7 +20,7 @@ from ..contact import (
 from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.response import DUALITY
-from ..driver.branches import RETRACTION
+from ..driver.branches import APPROACH
 from ..driver.history import History
 from ..driver.load import Load, Unfinished
 from ..driver.sweep import Sweep, make_sweep
@@ -101,7 +101,7 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         body=body_of(scene.material, scene.surface.free),
         hardness=scene.material.hardness,
         attraction=attraction_of(scene.material),
-        branch=scene.load.branch,
+        branch=scene.branch,
         unique=scene.load.unique,
     )
     _require_consistent_units(scene, sweep.surface)
@@ -244,9 +244,9 @@ class Run:
     ) -> Iterator[SolvedLoad]:
         """Solve loads one after another and yield each; all kinds of runs use this loop.
 
-        The next load is solved when it is asked for. On the retraction branch, and without the
-        stored memory of a history, the loads before the first of `indices` are solved, too; they
-        are not yielded.
+        The next load is solved when it is asked for. On the retraction branch, in a cycle of
+        adhesion, and without the stored memory of a history, the loads before the first of
+        `indices` are solved, too; they are not yielded.
 
         Parameters
         ----------
@@ -261,7 +261,7 @@ class Run:
         if isinstance(self.sweep, History):
             begins_anew = not self.sweep.has_begun
         else:
-            is_followed = self.scene.load.branch == RETRACTION
+            is_followed = self.scene.branch != APPROACH
             begins_anew = is_followed and bool(wanted) and unfinished_of(wanted[0]) is None
         if begins_anew and wanted:
             for load in self.loads[: wanted[0]]:

@@ -109,7 +109,8 @@ def solve(
     hardness : number or text
         The largest pressure, for an elastic - perfectly plastic contact. Default: none.
     history : bool, default False
-        With a hardness, whether the loads follow from each other, so that dents stay.
+        Whether the loads follow from each other: with a hardness dents stay, with adhesion each
+        load is on the branch of its direction, from the state before.
     relaxation : list of (share, time)
         Shares of the modulus that relax, and their times: a viscoelastic body. `E_star` is that at
         time 0.

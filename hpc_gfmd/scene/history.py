@@ -11,10 +11,21 @@ from .table import alike
 def require_history(load: LoadTable, material: Material, output: Output) -> None:
     """Raise ValueError for a memory of the loads without anything to remember, or with what it
     excludes."""
-    if "dent" in output.fields and not load.history:
-        raise ValueError('output.fields: found "dent", allowed with load.history')
-    if load.history and material.hardness is None:
-        raise ValueError("load.history: found true, allowed: with material.hardness")
+    if "dent" in output.fields and not (load.history and material.hardness is not None):
+        raise ValueError(
+            'output.fields: found "dent", allowed with load.history and material.hardness'
+        )
+    if load.history and material.hardness is None and material.adhesion is None:
+        raise ValueError(
+            "load.history: found true, allowed: with material.hardness or material.adhesion"
+        )
+    if load.history and load.branch != "approach":
+        raise ValueError(
+            f'load.branch: found "{load.branch}" with load.history, where each load is on the'
+            " branch of its direction, allowed: none"
+        )
+    if load.history and load.unique:
+        raise ValueError("load.unique: found true with load.history, allowed: false")
     _require_times(load, material)
     if material.relaxation is None:
         return
@@ -65,7 +76,7 @@ def _require_times(load: LoadTable, material: Material) -> None:
 def notes_on_history(load: LoadTable, material: Material) -> list[str]:
     """Return a note on the loads that shape the dents, if others are solved beside them."""
     name, values = load.prescribed
-    if not load.history or material.relaxation is not None:
+    if not load.history or material.hardness is None or material.relaxation is not None:
         return []
     heights = [-value if name.startswith("gap") else value for value in values]
     largest = -math.inf

@@ -119,7 +119,7 @@ class Scene(Table):
         """Raise ValueError for loads that need or exclude adhesion.
 
         With adhesion gaps and approaches must be positive, except all approaches but the first on
-        retraction.
+        retraction and in a cycle.
         """
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.prescribed
@@ -151,12 +151,12 @@ class Scene(Table):
                 "load.a_r: found with material.adhesion, where areas jump and several loads may"
                 f" give the same, allowed: {others}"
             )
-        first = values[:1] if self.load.branch == "retraction" and name == "approach" else values
+        first = values[:1] if self.branch != "approach" and name == "approach" else values
         if name not in PRESSURES and min(first) <= 0:
             raise ValueError(
                 f"load.{name}: found {format_quantity(min(first))} with material.adhesion, allowed:"
-                " a number greater than 0; an approach on retraction, but for the first, also 0 and"
-                " below"
+                " a number greater than 0; an approach on retraction or with load.history, but for"
+                " the first, also 0 and below"
             )
         return self
 
@@ -170,8 +170,15 @@ class Scene(Table):
 
     @property
     def remembers(self) -> bool:
-        """Whether loads follow from each other: dents stay, or the solid relaxes."""
-        return self.load.history or self.material.relaxation is not None
+        """Whether loads change the wall for later ones: dents stay, or the solid relaxes."""
+        dents_stay = self.load.history and self.material.hardness is not None
+        return dents_stay or self.material.relaxation is not None
+
+    @property
+    def branch(self) -> str:
+        """The branch of adhesion: "approach", "retraction", or with load.history "cycle"."""
+        is_cycle = self.load.history and self.material.adhesion is not None
+        return "cycle" if is_cycle else self.load.branch
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:

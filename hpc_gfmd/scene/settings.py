@@ -245,7 +245,8 @@ class LoadTable(Table):
         example=["0 s", "1 s", "10 s"],
     )
     history: bool = key(
-        "with material.hardness: loads follow from each other, dents stay (not: each by itself)",
+        "loads follow from each other: with material.hardness dents stay, with material.adhesion"
+        " the branch is that of the direction",
         False,
     )
 

@@ -174,7 +174,7 @@ HARD = {"hardness": H, "history": True}
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"history": True}, "load.history: .* material.hardness"),
+        ({"history": True}, "load.history: .* material.hardness or material.adhesion"),
         (HARD | {"pressure": [TOP, -TOP]}, "load.pressure: found -0.1"),
         ({"hardness": H, "pressure": 0.0}, "load.pressure: .* load.history"),
         ({"hardness": H, "fields": ["dent"]}, "dent.* load.history"),

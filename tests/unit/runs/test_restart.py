@@ -41,6 +41,7 @@ ADHESION = {"adhesion": {"work": 0.0024, "range": 0.0125}}  # the last load pull
 BRANCHES = {
     "approach": {"p_star": [0.0, 0.02, 0.1], "branch": "approach"},
     "retraction": {"p_star": [0.3, 0.05, 0.0, -0.002, -0.2], "branch": "retraction"},
+    "cycle": {"p_star": [0.02, 0.3, 0.05, -0.002, 0.1], "history": True},
     "gaps": {"gap_over_h_rms": [0.5, 1.0, 1.5], "branch": "retraction"},
 }
 
