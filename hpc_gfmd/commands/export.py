@@ -1,7 +1,9 @@
 """`hpc-gfmd export`: a result for other programs."""
 
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from pathlib import Path
 
+from ..util.errors import SceneError
 from .common import add_file, add_result_file
 
 HELP = "a result for other programs"
@@ -28,6 +30,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_file(
         parser, "-o", "--output", metavar="FILE", help="where to write (default: beside the result)"
     )
+    parser.add_argument("--force", action="store_true", help="replace a file that exists")
     parser.add_argument(
         "--fields", metavar="NAME", nargs="+", help="fields to export (default: all)"
     )
@@ -43,6 +46,9 @@ def main(args: Namespace) -> int:
     from ..output.read import read_result
 
     result = read_result(args.file).only(args.step, args.fields)
-    path = export(result, args.to, args.output, all_numbers())
+    path = Path(args.output or Path(args.file).with_suffix(f".{args.to}"))
+    if path.is_file() and not args.force:
+        raise SceneError(f"-o: found {path}, which exists, allowed: another path, or --force")
+    export(result, args.to, path, all_numbers())
     print(path, *result.remarks, sep="\n")
     return 0

@@ -116,7 +116,7 @@ def main(args: Namespace) -> int:
             require_file(path, quantities, conductivity, args.name)
             if Path(path).exists() and not args.force:
                 raise SceneError(f"{path}: exists, allowed: another name, or --force")
-        return [load_scene(path, args.set) for path in args.scene]
+        return [load_scene(path, args.set, needs_load=False) for path in args.scene]
 
     law = interface_law(
         on_rank_0(comm, "reading the scenes", scenes),

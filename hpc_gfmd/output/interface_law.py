@@ -111,7 +111,8 @@ class InterfaceLaw:
         float
             In `units["pressure"]`: the first pressure of the law with a critical gap of 0. The seal
             closes between it and the next lower pressure of the law, which was made so that the
-            two differ by less than the relative error that was requested.
+            two differ by less than the relative error that was requested. In a law of several
+            surfaces it is that at which the last of them is tight.
 
         Raises
         ------

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import floor, isfinite, isnan, log10, nan
+from math import floor, inf, isfinite, isnan, log10, nan
 from typing import TypeGuard
 
 from ..scene import each
@@ -16,6 +16,7 @@ LENGTHS = (*HELD_GAPS, "target_approach")  # of held loads
 AREA = "a_r_error", "a_r_discretisation"
 AREA_NUMBERS = "a_r", "a_r_corrected", "a_r_discretisation", "a_r_error"
 TOO_LARGE = ("a_r", "contact_area", "kappa")  # by what points at the edge of the contact add
+TOO_SMALL = ("contact_pressure_mean",)  # the load over such an area
 CORRECTION_ERROR = 0.35  # of the edge correction: refined walls had 0.65 to 1.3 times of it
 GAP = "gap_error", "gap_discretisation"
 ERRORS = {  # relative errors of a number by the solver and by the grid
@@ -137,30 +138,34 @@ def _between(values: Sequence[float], unit: str) -> str:
 def with_error(value: float, relative: float | None, above: float | None = None) -> str:
     """Return a value and its relative error as "0.0160 +- 0.0002", rounded to significant digits.
 
-    above: relative error by which the value may be too small, if it differs: "20.8 +0.1 -1.9".
+    above: relative error by which the value may be too small, if it differs: "20.8 +0.1 -1.9". The
+    larger of both is rounded to one digit.
     """
     if not isfinite(value):
         return str(value)
     if not relative or not value:
         return f"{value:.{DIGITS}g}" + (" +- 0" if relative == 0 else "")
-    if not isfinite(relative):
+    largest = relative if above is None else max(relative, above)
+    if not isfinite(largest):
         return f"{value:.{DIGITS}g} +- ?"
-    error = abs(value * relative)
+    error = abs(value * largest)
     place = floor(log10(abs(value)))  # of the leading digit
     scale = 0 if -4 <= place <= 5 else place
     smallest = place - MAX_DIGITS + 1
     last_digit = max(smallest, floor(log10(error)))
     decimals = max(0, scale - min(last_digit, place))
     shown = f"{value / 10.0**scale:.{decimals}f}"
-    uncertain = (
-        f"{error / 10.0**scale:.{decimals}f}"
-        if error >= 10.0**last_digit
-        else f"{error / 10.0**scale:.0e}"
-    )
-    bars = f"+- {uncertain}"
+
+    def rounded(error: float) -> str:
+        text = f"{error / 10.0**scale:.{decimals}f}"
+        return text if float(text) else "0"
+
     if above is not None:
-        rest = f"{abs(value) * above / 10.0**scale:.{decimals}f}"
-        bars = f"+{rest if float(rest) else 0} -{uncertain}"
+        bars = f"+{rounded(abs(value) * above)} -{rounded(abs(value) * relative)}"
+    elif error >= 10.0**last_digit:
+        bars = f"+- {rounded(error)}"
+    else:
+        bars = f"+- {error / 10.0**scale:.0e}"
     return f"{shown} {bars}" if scale == 0 else f"({shown} {bars})e{scale:+03d}"
 
 
@@ -169,19 +174,27 @@ def estimate(value: float, name: str, step: dict) -> str:
     where it is known to be.
 
     An area of the grid is too large by what points at the edge of the contact add: "20.8 +0.1
-    -1.9".
+    -1.9". The load over it is too small.
     """
     below, above = error_bars(name, step) or (None, None)
     return with_error(value, below, None if above == below else above)
 
 
 def error_bars(name: str, step: dict) -> tuple[float, float] | None:
-    """Return relative errors of a number, too large by and too small by; or None."""
+    """Return relative errors of a number, too large by and too small by; or None.
+
+    Where an area may be too large by a share, the load over it may be too small by more than that.
+    """
     error = combined_error(name, step)
     if error is None:
         return None
-    area_errors = _area_errors(step) if name in TOO_LARGE else None
-    return error, error if area_errors is None else sum(area_errors[1:])
+    area_errors = _area_errors(step) if name in TOO_LARGE + TOO_SMALL else None
+    if area_errors is None:
+        return error, error
+    random = sum(area_errors[1:])
+    if name in TOO_LARGE:
+        return error, random
+    return random / (1 + random), error / (1 - error) if error < 1 else inf
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..contact import all_numbers
+from ..contact import all_numbers, observables_named
 from ..output.numbers import unit_of
 from ..output.summary import with_error
 from ..util.errors import SceneError
@@ -213,7 +213,7 @@ class Ensemble:
     def _cells(self) -> list[list[str]]:
         """Return the cells of the table as texts: a row of headings, one of units, one per load."""
         surface = self.results[0].result.surface
-        observables = named_observables(self.results[0].result)
+        observables = observables_named(named_observables(self.results[0].result))
         names = [
             name for name in (*RESULTS, *observables) if name in self.names and name != self.load
         ]

@@ -173,7 +173,7 @@ def _realisations(scene: str | PathLike | Scene, realisations: int) -> list[Scen
 
     Raises SceneError for less, and for more of a surface without a seed.
     """
-    original = scene if isinstance(scene, Scene) else load_scene(scene)
+    original = scene if isinstance(scene, Scene) else load_scene(scene, needs_load=False)
     if realisations == 1:
         return [original]
     if not hasattr(original.surface, "seed"):

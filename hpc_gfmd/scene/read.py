@@ -16,15 +16,20 @@ from .settings import LOADS
 ALTERNATIVES = {"load": LOADS, "solver": ("accuracy", "residual")}
 
 
-def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
+def load_scene(
+    path: str | PathLike, overrides: Iterable[str] = (), needs_load: bool = True
+) -> Scene:
     """Read and validate a scene file, with overrides as of `apply_override`, or raise SceneError.
 
     A relative path of a height map refers to the folder of the scene file and becomes absolute.
+    Without needs_load a scene without [load] gets some load, for those that take other ones.
     """
     origin = printable(str(path))
     data = parse_toml(_read(path, origin), origin)
     for override in overrides:
         apply_override(data, override)
+    if not needs_load:
+        data.setdefault("load", {"p_star": 0.01})
     return Scene.from_dict(data, origin, Path(path).parent)
 
 

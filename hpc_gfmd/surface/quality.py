@@ -20,8 +20,8 @@ class Doubt:
 
     Attributes
     ----------
-    tilt : float
-        Share of the variance of the heights that is tilt.
+    tilt, slight_tilt : float
+        Share of the variance of the heights that is tilt; a slight one gets a hint.
     unresolved : float
         Mean square slope between neighbours over that between second neighbours: near 1 if the grid
         resolves the spectrum.
@@ -40,6 +40,7 @@ class Doubt:
     """
 
     tilt: float = 0.5
+    slight_tilt: float = 0.05
     unresolved: float = 1.2
     filled: float = 0.1
     jump: float = 3.0

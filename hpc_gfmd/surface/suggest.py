@@ -241,7 +241,8 @@ def _by_heights(
         values["fill"] = "harmonic"
         why["fill"] = f"{heights.filled} points have no height"
     tilt = f"{per_cent(quality.tilt)} % of the variance of the heights is tilt"
-    result.about.append(tilt)
+    is_left = DOUBT.slight_tilt < quality.tilt <= DOUBT.tilt and "detrend" not in user_keys
+    result.about.append(f'{tilt} (surface.detrend = "tilt" removes it)' if is_left else tilt)
     stray = outliers(heights.heights(), quality.typical)
     if quality.tilt > DOUBT.tilt and "detrend" not in user_keys:
         values["detrend"] = "tilt"

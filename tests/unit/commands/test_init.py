@@ -158,6 +158,17 @@ def test_the_boundary_of_a_piece(tmp_path, cli, monkeypatch):
     assert 'surface.mirror: found true, allowed: boundary = "mirror"' in complaint
 
 
+def test_a_slight_tilt_stays_with_a_hint(cli):
+    """A piece of a rough surface has one of its own; who measured it knows whether to remove it."""
+    x = np.linspace(-1, 1, 24)[:, None]
+    z = np.random.default_rng(1).normal(size=(24, 16)) + x
+    np.savez("map.npz", z=z, physical_sizes=[24.0, 16.0], unit="nm")
+    hint = 'is tilt (surface.detrend = "tilt" removes it)'
+    assert hint in cli.prints("init map.npz")
+    assert load_scene("scene.toml").surface.detrend == "none"
+    assert hint not in cli.prints("init map.npz --force --set surface.detrend=tilt")
+
+
 def test_unknown_sizes_and_units_are_not_invented(cli):
     tilted(sizes=None)
     text = cli.prints("init map.npz")

@@ -20,8 +20,10 @@ def scene(tmp_path):
 
 
 def test_files_and_table(scene, cli, tmp_path):
+    """The law has its own loads: the scene needs none."""
     paths = [tmp_path / name for name in ("law.csv", "law.inp")]
     outputs = [word for path in paths for word in ("-o", path)]
+    scene.write_text(scene.read_text().partition("[load]")[0])
     text = cli.prints("law", scene, *RANGE, *outputs, "--conductivity", "50", "200")
     assert "conductance" in text
     law = hpc_gfmd.read_law(paths[0])

@@ -164,6 +164,17 @@ def test_channels_of_gwyddion(path, cli):
     assert "found 7, allowed: 0, 1" in cli.refused("export out.h5 --to gwy --step 7")
 
 
+def test_the_table_that_a_result_was_made_of_is_not_replaced(path, cli):
+    """Scene, result and a table of a spectrum often have the same name but for its end."""
+    mine = path.with_suffix(".csv")
+    mine.write_text("q,C")
+    assert "which exists" in cli.refused("export out.h5 --to csv")
+    assert "which exists" in cli.refused(f"export out.h5 --to csv -o {mine}")
+    assert mine.read_text() == "q,C"
+    assert cli.prints("export out.h5 --to csv --force") == "out.csv\n"
+    assert mine.read_text() != "q,C"
+
+
 def test_refused_exports_write_nothing(path, tmp_path, cli):
     """Damaged fields are in test_result_file.py."""
     for options in ("csv -o out.h5", "csv -o missing/a.csv", "pdf"):

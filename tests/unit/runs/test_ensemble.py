@@ -49,6 +49,9 @@ def test_leak_rate_has_the_scatter_and_the_error_of_the_grid():
     assert error[0] > scatter[0] > 0
     assert rates[:, -1].max() == 0
     assert error[-1] == np.inf
+    heading, _, first, *_ = ensemble.table().splitlines()
+    assert "critical_gap_x  critical_gap_y" in heading
+    assert f"{ensemble.mean('critical_gap_y')[0]:.1g}" in first
 
 
 def test_table_and_plot(results):

@@ -30,6 +30,8 @@ def test_the_area_of_the_grid_is_too_large():
     assert "25 +1 -3" in row
     assert "22 +- 1" in row  # 0.35 of the correction, what is at random, and the solver's
     assert summary(step, SURFACE).startswith("a_r = 25 +1 -3 % (corrected 22 +- 1 %), ")
+    pressed = table({0: step | {"contact_pressure_mean": 0.4}}, {}).splitlines()[2]
+    assert "0.40 +0.05 -0.01" in pressed  # 0.1/0.225, and less of the load over that
     small = step | {"a_r": 2.5e-7, "a_r_corrected": 2.25e-7, "a_r_error": 0.02}
     assert "a_r = (2.5 +0.1 -0.3)e-05 %" in summary(small, SURFACE)
 
