@@ -25,8 +25,9 @@ from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.thread_count import threads_of
 from ..scene import Scene, load_scene
 from ..surface import Size, Surface, build_surface, open_surface
-from ..surface.arrays import complete_array, is_topography
 from ..surface.build import surface_of
+from ..surface.heights import complete_array
+from ..surface.instruments import is_topography
 from ..surface.prepare import mirrored
 from ..surface.quality import edges_of
 from ..surface.topography import Topography

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..surface.arrays import is_topography
+from ..surface.instruments import is_topography
 from ..surface.spectra import Spectrum, of_isotropic_surface
 from ..util.errors import SceneError, one_line
 from ..util.libraries import surface_topography

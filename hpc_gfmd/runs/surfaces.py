@@ -13,8 +13,8 @@ from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..scene.height_maps import Reading
 from ..surface import build_surface
-from ..surface.arrays import checked_array, complete_array, is_topography, of_topography, unreliable
-from ..surface.heights import checked
+from ..surface.heights import checked, checked_array, complete_array
+from ..surface.instruments import is_topography, of_topography, unreliable
 from ..surface.metadata import Metadata
 from ..surface.prepare import mirrored, notes_on, prepare
 from ..surface.topography import Topography, open_topography, topography_of

@@ -40,12 +40,14 @@ class FileArray:
         Raises ValueError if the mask holds other floating-point numbers than 0 and 1.
         """
         z = self.unpacked(self.find(self.name)[part])
-        if not self.has_mask:
-            return z
-        mask = np.asarray(self.find(MASK)[part])
-        if mask.dtype.kind == "f" and not np.isin(mask, (0, 1)).all():
-            raise ValueError(f"found an array {MASK} of other numbers than 0 and 1 beside it")
-        return np.where(mask, np.nan, z)
+        return masked(z, np.asarray(self.find(MASK)[part])) if self.has_mask else z
+
+
+def masked(z: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return heights with nan where a mask of 0 and 1 is not 0; ValueError for other numbers."""
+    if mask.dtype.kind == "f" and not np.isin(mask, (0, 1)).all():
+        raise ValueError(f"found an array {MASK} of other numbers than 0 and 1 beside it")
+    return np.where(mask, np.nan, z)
 
 
 def read_npy(contents: Contents, spec: Any) -> Map:
@@ -58,11 +60,10 @@ def read_npy(contents: Contents, spec: Any) -> Map:
 
 
 def read_npz(contents: Contents, spec: Any) -> Map:
-    """Open one array of those that numpy.savez wrote, with sizes and units beside it.
+    """Read one array of those that numpy.savez wrote, with sizes and units in arrays beside it.
 
-    The file is opened again and the array read when its first rows are wanted; it then stays in
-    memory. Points have no height where an array `mask` beside it is not 0. Metadata are from the
-    arrays physical_sizes, unit or units, and periodic.
+    Points have no height where an array `mask` beside it is not 0. Raises SceneError or ValueError
+    unless there is exactly one array that `dataset` may mean.
     """
     with np.load(contents.source, allow_pickle=False) as file:
         arrays = [name for name in file.files if f"{name}.npy" in file.zip.namelist()]
@@ -74,16 +75,12 @@ def read_npz(contents: Contents, spec: Any) -> Map:
         )
         if file.zip.getinfo(f"{name}.npy").file_size < sizes[name]:
             raise ValueError(f"{name} is shorter than it says")
-
-    @cache
-    def find(key: str) -> Any:  # unpacked where it is first read: by then it is known to fit
-        with np.load(contents.source, allow_pickle=False) as file:
-            return file[key] if key in heads and not heads[key][1].hasobject else None
-
-    shape, dtype = heads[name]
-    has_mask = name != MASK and MASK in heads and is_mask(*heads[MASK], shape)
-    array = FileArray(shape, dtype, name, np.asarray, find, has_mask)
-    return array, replace(metadata, channel=name, other_channels=other_names)
+        shape, _ = heads[name]
+        has_mask = name != MASK and MASK in heads and is_mask(*heads[MASK], shape)
+        heights = file[name]
+        if has_mask:
+            heights = masked(heights, file[MASK])
+    return heights, replace(metadata, channel=name, other_channels=other_names)
 
 
 def read_hdf5(contents: Contents, spec: Any) -> Map:

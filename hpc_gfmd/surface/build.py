@@ -25,12 +25,12 @@ from .heights import LARGEST, checked, checksum
 from .modes import gap_of_modes
 from .prepare import asks_for_preparation, complete, notes_on, on_radius, prepare, prepared_size
 from .selfaffine import self_affine_modes
-from .slabs import slabs
 from .spectrum import spectrum_modes
 from .statistics import rms, rms_between_neighbours
 from .surface import Surface
 from .topography import Topography, open_topography
 
+ROWS = 64  # of a map that are read at a time
 MODES = {"self-affine": self_affine_modes, "spectrum": spectrum_modes, "fourier": fourier_modes}
 
 Size = tuple[tuple[int, int], tuple[float, ...]]  # points along x and y, and lengths
@@ -275,7 +275,8 @@ def surface_of(
     start, stop = grid.rows
     with collective_errors(comm, "reading the surface"):
         z = grid.empty(np.float64)
-        for i, j in slabs(start, stop):
+        for i in range(start, stop, ROWS):
+            j = min(i + ROWS, stop)
             z[i - start : j - start] = checked(topography.rows(i, j), i, "surface")
     check(comm)
     made = partial(

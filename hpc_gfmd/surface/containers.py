@@ -11,8 +11,8 @@ from ..scene.height_maps import ANY
 from ..util.errors import SceneError, one_line
 from ..util.lengths import length_factor
 from ..util.libraries import surface_topography
-from .arrays import of_topography
 from .contents import Contents
+from .instruments import of_topography
 from .metadata import Map, Metadata
 
 SAME = 1e-3  # relative difference of sizes that are the same

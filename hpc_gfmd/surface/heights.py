@@ -1,16 +1,19 @@
-"""Checks of heights as they are read, and a checksum that tells height maps apart."""
+"""Checks of heights in memory and as they are read, and a checksum that tells maps apart."""
 
 import hashlib
 import operator
 from functools import lru_cache
+from os import PathLike
 from typing import Any
 
 import numpy as np
 
 from ..scene.table import LARGEST  # heights that differ by less than its inverse are refused, too
 from ..util.errors import SceneError, one_line
+from .metadata import is_y_first
 
 A_MAP = "a real array with two axes, not empty"
+EXACT = 2**53  # float64 holds all integers up to this one
 
 
 def require_map(array: Any, where: str, of: str = "") -> None:
@@ -27,6 +30,53 @@ def require_map(array: Any, where: str, of: str = "") -> None:
             f"{where}: found shape {shape} of {one_line(str(dtype), 80)}{of}{profile}, allowed:"
             f" {A_MAP}"
         )
+
+
+def checked_array(heights: Any) -> np.ndarray:
+    """Convert heights to an array (masked, if they are) and check that they are a map.
+
+    The values are not read. Raises SceneError for a path, for anything but a non-empty real array
+    with two axes, and for an array of xarray whose first axis is y.
+    """
+    if isinstance(heights, str | PathLike):
+        path = repr(str(heights))
+        raise SceneError(
+            f"heights: found {path}, allowed: an array, or hpc_gfmd.read_surface({path})"
+        )
+    names = [str(name) for name in getattr(heights, "dims", ())]
+    if len(names) == 2 and is_y_first([(name, {}) for name in names]):
+        raise SceneError(
+            f"heights: found axes {names[0]}, {names[1]}, allowed: x, y, as of"
+            f' heights.transpose("{names[1]}", "{names[0]}")'
+        )
+    try:
+        heights = np.asanyarray(heights)
+    except (TypeError, ValueError) as error:
+        raise SceneError(f"heights: found {one_line(str(error))}, allowed: {A_MAP}") from None
+    require_map(heights, "heights")
+    return _from_lowest(heights)
+
+
+def _from_lowest(heights: np.ndarray) -> np.ndarray:
+    """Return heights; integers that float64 does not hold are counted from the lowest of them."""
+    if heights.dtype.kind not in "iu" or heights.dtype.itemsize < 8:
+        return heights
+    lowest = heights.min()
+    if lowest is np.ma.masked or max(abs(int(lowest)), abs(int(heights.max()))) <= EXACT:
+        return heights
+    # unsigned arithmetic is modulo 2^64: the differences are right even if int64 does not hold them
+    return heights.astype(np.uint64) - np.uint64(int(lowest) % 2**64)
+
+
+def complete_array(heights: Any) -> np.ndarray:
+    """Convert heights to an array as `checked_array` does, and refuse masked points, not nan."""
+    heights = checked_array(heights)
+    if np.ma.is_masked(heights):
+        raise SceneError(
+            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
+            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
+        )
+    return heights
 
 
 def checked(

@@ -14,7 +14,7 @@ from ..scene.height_maps import ANY
 from ..util.errors import SceneError, one_line
 from ..util.lengths import length_factor
 from ..util.libraries import surface_topography
-from .arrays import of_topography
+from ..util.quantities import factor, prefixed
 from .contents import Contents
 from .metadata import Map, Metadata
 
@@ -27,6 +27,48 @@ WITHOUT_CHANNELS = ("mat",)  # arrays of any meaning
 NANOMETRES_AS_MILLIMETRES = "nms"  # SurfaceTopography 1.27.1 takes the spacing so
 _DATA_IN_GWYDDION = re.compile(r"/(\d+)/data")
 LONGEST = 1.0  # m: no instrument measures more
+
+
+def is_topography(value: Any) -> bool:
+    """Whether an object looks like a Topography of SurfaceTopography, which is not imported."""
+    return callable(getattr(value, "heights", None)) and hasattr(value, "physical_sizes")
+
+
+def of_topography(topography: Any) -> Map:
+    """Return heights (n_x, n_y), float64, masked where there is none, and metadata of a Topography.
+
+    It is periodic if the Topography is; otherwise that is left open, since most formats say nothing
+    of it.
+    """
+    named = topography
+    while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
+        named = named.parent_topography
+    unit = named.unit
+    sizes_unit, unit = unit if isinstance(unit, tuple | list) else (unit, unit)
+    sizes = None
+    if topography.physical_sizes is not None:
+        sizes = tuple(map(float, topography.physical_sizes))
+    # Most formats know nothing of periodicity, and are said to be not periodic.
+    metadata = Metadata(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
+    return np.ma.asarray(topography.heights(), dtype=np.float64), metadata
+
+
+def unreliable(topography: Any) -> tuple[float, str] | None:
+    """Return the wave length in m below which a Topography shows the instrument, and a note on it.
+
+    That is the limit set by the tip or the resolution, as SurfaceTopography knows it. None if it or
+    the unit of the Topography is unknown.
+    """
+    has_unit = isinstance(topography.unit, str)
+    cutoff = topography.short_reliability_cutoff() if has_unit else None
+    if cutoff is None:
+        return None
+    length = cutoff * factor(topography.unit)
+    scale, name = prefixed([length], "m")
+    return length, (
+        f"waves shorter than {length / scale:.3g} {name} show the instrument, not the surface"
+        " (SurfaceTopography's short_reliability_cutoff)"
+    )
 
 
 def knows(contents: Contents) -> bool:

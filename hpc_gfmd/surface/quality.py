@@ -98,30 +98,20 @@ class Edges:
 
     def notes(self, meet: Sequence[bool]) -> list[SurfaceWarning]:
         """Return a note for each axis along which edges that meet have a jump or a kink."""
-        return [*self.jump_notes(meet), *self.kink_notes(meet)]
-
-    def jump_notes(self, meet: Sequence[bool]) -> list[SurfaceWarning]:
-        """Return a note for each axis along which edges that meet have a jump."""
-        return [
-            SurfaceWarning(
-                f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring points"
-                " differ by: the jump is pressed, too"
-            )
-            for axis, jump, edges_meet in zip("xy", self.jumps, meet)
-            if edges_meet and jump > DOUBT.jump
-        ]
-
-    def kink_notes(self, meet: Sequence[bool]) -> list[SurfaceWarning]:
-        """Return a note for each axis along which edges that meet have a kink but no jump."""
-        return [
-            SurfaceWarning(
-                f"opposite edges along {axis} meet in a kink: the slope changes there"
-                f' {kink:.3g} times as much as inside (boundary = "free" for a single body, such as'
-                " a lens)"
-            )
-            for axis, jump, kink, edges_meet in zip("xy", self.jumps, self.kinks, meet)
-            if edges_meet and kink > DOUBT.kink and jump <= DOUBT.jump
-        ]
+        texts = []
+        for axis, jump, kink, edges_meet in zip("xy", self.jumps, self.kinks, meet):
+            if edges_meet and jump > DOUBT.jump:
+                texts.append(
+                    f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring"
+                    " points differ by: the jump is pressed, too"
+                )
+            elif edges_meet and kink > DOUBT.kink:
+                texts.append(
+                    f"opposite edges along {axis} meet in a kink: the slope changes there"
+                    f' {kink:.3g} times as much as inside (boundary = "free" for a single body,'
+                    " such as a lens)"
+                )
+        return list(map(SurfaceWarning, texts))
 
 
 def edges_of(read: Rows, n: tuple[int, ...]) -> Edges:
@@ -190,20 +180,18 @@ class MapQuality:
 
     def notes(self) -> list[SurfaceWarning]:
         """Return notes on tilt and an unresolved spectrum."""
-        lines = []
+        texts = []
         if self.tilt > DOUBT.tilt:
-            text = (
+            texts.append(
                 f'{per_cent(self.tilt)} % of the variance of the heights is tilt (detrend = "tilt"'
                 " removes it)"
             )
-            lines.append(SurfaceWarning(text))
         if self.unresolved > DOUBT.unresolved:
-            text = (
+            texts.append(
                 "the spectrum is not resolved: it has power at the shortest waves of the grid, so"
                 " that more points would change g_rms and the area"
             )
-            lines.append(SurfaceWarning(text))
-        return lines
+        return list(map(SurfaceWarning, texts))
 
 
 def quality_of(z: np.ndarray, sizes: tuple[float, ...]) -> MapQuality:
@@ -326,9 +314,16 @@ def without_outliers(z: np.ndarray) -> tuple[np.ndarray, int]:
     """
     if min(z.shape) < 3:
         return z, 0
-    typical = max(float(np.nanmedian(np.abs(np.diff(z, axis=axis)))) for axis in (0, 1))
+    typical = 0.0
+    for axis in (0, 1):
+        steps = np.diff(z, axis=axis)
+        median = np.nanmedian(np.abs(steps, out=steps), overwrite_input=True)
+        typical = max(typical, float(median))
+        del steps
     around = _around(z)
-    stray = np.abs(z - around) > DOUBT.outlying * typical
+    distances = z - around
+    stray = np.abs(distances, out=distances) > DOUBT.outlying * typical
+    del distances
     return np.where(stray, around, z), int(np.count_nonzero(stray))
 
 

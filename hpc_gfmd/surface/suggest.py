@@ -14,7 +14,6 @@ from ..util.errors import ReadingWarning, SceneError, one_line
 from ..util.lengths import length_factor
 from ..util.quantities import prefixed
 from . import instruments
-from .arrays import unreliable
 from .bandwidth import bandwidth_line
 from .contents import contents_of
 from .doubtful_numbers import slope_notes
@@ -186,7 +185,7 @@ def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> No
     with suppress(Exception):  # of a file that SurfaceTopography does not read
         contents = contents_of(Path(str(spec.path)))
         scan = instruments.topography_of_channel(contents, spec.dataset)
-        cutoff, why = unreliable(scan) or (0.0, "")
+        cutoff, why = instruments.unreliable(scan) or (0.0, "")
         factors = (ceil(cutoff * n / (2 * L)) for n, L in zip(topography.n, topography.sizes))
         smallest_factor = max(factors)
         divisors = [
@@ -279,8 +278,6 @@ def _by_heights(
     if not result.missing:
         z = heights.heights()
         result.about += filter(None, [bandwidth_line(z, heights.sizes, heights.unit)])
-    of_jumps = map(str, meeting.jump_notes((True, True)))  # the line on edges says it
-    told_before = {*result.about, *of_jumps}
-    result.about += [note for note in _not_on_reading(heights) if note not in told_before]
+    result.about += [note for note in _not_on_reading(heights) if note not in result.about]
     if not result.missing:
         result.about += map(str, slope_notes(quality.g_rms, measured=True))

@@ -47,6 +47,7 @@ def read(contents: Contents, spec: Any) -> Map:
             "it has one number in a line, a profile, allowed: a matrix, or columns x, y and z"
         )
     body = data[sum(map(len, sample[: layout.header_lines])) :]
+    del data, stream  # a map may be large
     blocks = _blocks(body, lines[: layout.header_lines], layout)
     title = [] if spec.skip_lines is not None else blocks[0].header
     names = header.columns_named(title, layout.mark, layout.columns)
@@ -175,7 +176,10 @@ def _parsed(
         )
     except ValueError:
         return None
-    lines = text.count(b"\n", 0, len(text.rstrip(b"\n "))) + 1
+    stop = len(text)  # without blank lines at the end, and without a copy
+    while text[stop - 1 : stop] in (b"\n", b" "):
+        stop -= 1
+    lines = text.count(b"\n", 0, stop) + 1
     return table if table.shape == (lines, layout.columns) else None
 
 
