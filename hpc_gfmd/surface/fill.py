@@ -1,4 +1,7 @@
-"""Missing heights, filled as by a soap film: each is the mean of its four neighbours."""
+"""Missing heights, filled harmonically.
+
+Each is the mean of its four neighbours, so that holes are closed as by a soap film.
+"""
 
 import numpy as np
 
@@ -6,55 +9,61 @@ from ..util.errors import SceneError
 from .film import solve_film
 from .topography import Topography
 
-NEIGHBOURS = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
+NEIGHBOURS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
 def filled(topography: Topography, how: str) -> Topography:
-    """Return a copy of a map with missing heights filled ("harmonic") or refused ("none"); the map
-    itself if none is missing.
+    """Return a map without missing heights, with a line in `prepared`; itself if none is missing.
 
-    Raises SceneError also if all are missing, or if memory does not suffice.
+    how: "harmonic", or "none" to refuse missing heights. SceneError if these are refused, if all
+    are missing, or if memory does not suffice.
     """
     z = topography.heights()
     missing = np.isnan(z)
-    i, j = np.nonzero(missing)
-    if not len(i):
+    count = int(np.count_nonzero(missing))
+    if count == 0:
         return topography
-    if how == "none" or missing.all():
+    if how == "none" or count == z.size:
+        i, j = np.unravel_index(missing.argmax(), z.shape)
         raise SceneError(
-            f"surface.path: found nan at ({i[0]}, {j[0]}) in {topography.path}, {len(i)} points"
+            f"surface.path: found nan at ({i}, {j}) in {topography.path}, {count} points"
             ' without a height, allowed: finite heights, or fill = "harmonic" where some are known'
         )
-    # At an edge a point takes the place of its neighbour beyond, and so counts as missing.
-    last_i, last_j = (k - 1 for k in z.shape)
-    beside = np.array(
-        [z[(i + di).clip(0, last_i), (j + dj).clip(0, last_j)] for di, dj in NEIGHBOURS]
-    ).T
     z = z.copy()
     try:
-        z[missing] = _film(z.shape, i * z.shape[1] + j, beside)
+        z[missing] = _film(z, missing)
     except MemoryError:
         raise SceneError(
-            f"surface.fill: not enough memory to fill {len(i)} points of {topography.path},"
-            " allowed: smaller holes, surface.crop, or more memory"
+            f"surface.fill: not enough memory to fill {count} points of {topography.path}, allowed:"
+            " smaller holes, surface.crop, or more memory"
         ) from None
-    line = f"{len(i)} points ({100 * len(i) / z.size:.2g} %) filled"
-    return topography.of_heights(z, line, filled=len(i))
+    line = f"{count} points ({100 * count / z.size:.2g} %) filled"
+    return topography.of_heights(z, line, filled=count)
 
 
-def _film(n: tuple[int, ...], points: np.ndarray, beside: np.ndarray) -> np.ndarray:
-    """Compute the heights of missing points, each the mean of its four neighbours; beyond an edge a
-    point is its own neighbour.
+def _film(z: np.ndarray, missing: np.ndarray) -> np.ndarray:
+    """Return the heights of missing points, each the mean of its four neighbours.
 
-    points: indices i n_y + j, ascending. beside: the four heights around each, in the order of
-    NEIGHBOURS, nan where they are missing too.
+    For each point the equation is 4 z - (sum of z of missing neighbours) = sum of the other
+    neighbours, where beyond an edge the point is its own neighbour.
     """
-    from scipy.sparse import coo_array, eye_array  # 50 MB that a run without holes does without
+    from scipy.sparse import csr_array  # 50 MB that a run without holes does without
 
-    row, side = np.nonzero(np.isnan(beside))
-    missing = np.add(np.unravel_index(points[row], n), NEIGHBOURS[side].T)
-    column = np.searchsorted(points, np.ravel_multi_index((*missing,), n, mode="clip"))
-    sums = coo_array((np.ones(len(row)), (row, column)), shape=(len(points),) * 2)
-    matrix = len(NEIGHBOURS) * eye_array(len(points)) - sums
-    x, y = np.unravel_index(points, n)
-    return solve_film(matrix.tocsr(), np.nansum(beside, axis=1), x, y)
+    x, y = (place.astype(np.int32) for place in np.nonzero(missing))
+    points = np.arange(x.size, dtype=np.int32)
+    number = np.zeros(z.shape, np.int32)  # of a point among the missing ones
+    number[missing] = points
+    columns = np.repeat(points[:, None], 5, axis=1)
+    factors = np.zeros((x.size, 5))
+    factors[:, 4] = 4.0
+    right = np.zeros(x.size)
+    for k, (dx, dy) in enumerate(NEIGHBOURS):
+        beside = np.clip(x + dx, 0, z.shape[0] - 1), np.clip(y + dy, 0, z.shape[1] - 1)
+        is_unknown = missing[beside]
+        columns[is_unknown, k] = number[beside][is_unknown]
+        factors[is_unknown, k] = -1.0
+        right += np.where(is_unknown, 0.0, z[beside])
+    starts = np.arange(0, columns.size + 1, 5)
+    matrix = csr_array((factors.ravel(), columns.ravel(), starts), shape=(x.size, x.size))
+    matrix.sum_duplicates()
+    return solve_film(matrix, right, x, y)
