@@ -117,35 +117,17 @@ def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
 
 @dataclass
 class Surfaces:
-    """Makes the surface of a scene in the precision with which it is called, on all ranks.
-
-    Attributes
-    ----------
-    comm : Comm
-        All ranks.
-    threads : int
-        Threads of each rank.
-    size : (n, sizes)
-        Points and lengths along x and y.
-    make : callable
-        ``make(dtype)`` makes it.
-    kept : dict or None
-        Surfaces that can be used again, to which new ones are added; None if they cannot.
-    is_described : bool
-        Whether the scene describes the heights completely.
-    is_measured : bool
-        Whether the heights are from a file.
-    checksum : str or None
-        Checksum of heights that are in memory or in a file; None before the first surface.
-    """
+    """Makes the surface of a scene in the precision with which it is called, on all ranks."""
 
     comm: Comm
-    threads: int
-    size: Size
-    make: Callable[[np.dtype], Surface]
+    threads: int  # of each rank
+    size: Size  # points and lengths along x and y
+    make: Callable[[np.dtype], Surface]  # make(dtype) makes it
+    # Surfaces that can be used again, to which new ones are added; None if they cannot.
     kept: Kept | None = None
-    is_described: bool = True
-    is_measured: bool = True
+    is_described: bool = True  # whether the scene describes the heights completely
+    is_measured: bool = True  # whether the heights are from a file
+    # of heights that are in memory or in a file; None before the first surface
     checksum: str | None = None
 
     def __call__(self, dtype: np.dtype) -> Surface:
@@ -171,8 +153,8 @@ def surfaces_of_scene(
 ) -> Surfaces:
     """Return what makes the surface of a scene, from a formula or a file. Collective.
 
-    `keep`: whether the surface is made only once in each precision, and stays in memory.
-    `is_only_one`: whether a file stays open until the surface is made; else it is opened again.
+    keep: the surface is made only once in each precision, and stays in memory; is_only_one: a file
+    stays open until the surface is made, else it is opened again.
     """
     topography: Topography | None = None  # of a file, on rank 0, until the first surface is made
 
@@ -268,12 +250,12 @@ def solve_loads(
     keep_interrupted: bool,
     pull_off_error: float | None = None,
 ) -> tuple[Solutions, dict[str, Any]]:
-    """Solve all loads of a scene, and keep those fields that it asks for. Collective.
+    """Solve all loads of a scene, and keep those fields that it asks for; return them and the
+    attributes of the surface.
 
-    Returns them with the attributes of the surface, by the names of the result file.
     With `keep_interrupted` Ctrl-C after the first load ends the sweep early, on one process;
     otherwise KeyboardInterrupt is raised. With `pull_off_error` further loads follow, see
-    `PullOff`.
+    `PullOff`. Collective.
     """
     start_time = datetime.now(UTC).isoformat(timespec="seconds")
     begun = time.monotonic()

@@ -1,7 +1,4 @@
-"""The scene that the keywords of a Python call describe.
-
-Each keyword goes to the table that has a key of its name, and the scene validates it.
-"""
+"""The scene that the keywords of a Python call describe; each goes to the table of its key."""
 
 from os import PathLike
 from typing import Any, NoReturn
@@ -42,10 +39,7 @@ def changed_scene(scene: Scene, named: dict[str, Any], further: dict[str, Any]) 
 
 
 def scene_with(scene: Scene, arguments: dict[str, Any]) -> Scene:
-    """Return a scene with other values of some keys, as keywords of `hpc_gfmd.solve` give them.
-
-    None stands for a key that is not given. Raises SceneError for unknown keys and wrong values.
-    """
+    """Return a scene with other values of some keys, by keywords of `solve` that are not None."""
     changes = _tables(arguments)
     tables = scene.model_dump(exclude_none=True)
     for name, keys in changes.items():

@@ -42,10 +42,7 @@ STATUS_ORDER = "converged", "separated", "max_iterations", "stagnated", "nonfini
 
 
 def check(scene: Scene) -> None:
-    """Raise SceneError for names and combinations that `Scene` itself does not check.
-
-    Nothing is read or allocated.
-    """
+    """Raise SceneError for names and combinations that `Scene` itself does not check."""
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
     bounds = {"error_bounds", *DUALITY} & {*(scene.output.observables or ())}
     if bounds and scene.remembers:
@@ -87,10 +84,10 @@ def check(scene: Scene) -> None:
 
 
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep | History:
-    """Return what solves the loads of a scene, with its surface in a first precision.
+    """Return what solves the loads of a scene, with its surface in a first precision. Collective.
 
-    Collective. It calls ``make_surface(dtype)`` again if a load needs another precision. Raises
-    SceneError if a load or a length has a unit and the height map has none, or vice versa.
+    It calls make_surface(dtype) again if a load needs another precision. Raises SceneError if a
+    load or a length has a unit and the height map has none, or vice versa.
     """
     sweep = make_sweep(
         make_surface,
@@ -112,9 +109,8 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
 
 
 def _require_consistent_units(scene: Scene, surface: Surface) -> None:
-    """Raise SceneError if a length or force has a unit and the height map none, or vice versa.
-
-    Only a surface from a file is checked, and only numbers other than 0.
+    """Raise SceneError if a length or force has a unit and the file of a map none, or vice
+    versa.
     """
     lengths_and_forces = {
         "material.thickness": (scene.material.thickness, "2 um"),
@@ -175,24 +171,12 @@ def notes_on(scene: Scene, surface: Surface) -> tuple[SurfaceWarning, ...]:
 
 @dataclass(frozen=True)
 class SolvedLoad:
-    """One load of a run, as `Run.solve` yields it.
+    """One load of a run, as `Run.solve` yields it."""
 
-    Attributes
-    ----------
-    index : int
-        Its number in the scene, from 0.
-    contact : Contact
-        The solution, whose fields the next load overwrites.
-    seconds : float
-        Time spent on it.
-    numbers : dict
-        `step_attributes`; empty if the load was stopped.
-    """
-
-    index: int
-    contact: Contact
-    seconds: float
-    numbers: dict[str, Any]
+    index: int  # its number in the scene, from 0
+    contact: Contact  # whose fields the next load overwrites
+    seconds: float  # time spent on it
+    numbers: dict[str, Any]  # `step_attributes`; empty if the load was stopped
 
 
 Watch = Callable[[], bool]  # called after every iteration; true: the load has to stop
@@ -200,25 +184,10 @@ UnfinishedOf = Callable[[int], tuple[Unfinished, float] | None]  # state of a lo
 
 
 class Run:
-    """The loads of a scene on its surface. Collective.
+    """The loads of a scene on its surface, which make_surface(dtype) makes. Collective.
 
-    Parameters
-    ----------
-    scene : Scene
-        What is solved.
-    make_surface : callable
-        ``make_surface(dtype)`` returns its surface in a precision.
-    say : Reporter
-        Shows the progress and the table of the loads.
-
-    Attributes
-    ----------
-    sweep : Sweep or History
-        Solves one load after another.
-    loads : list of Load
-        All loads of the scene.
-    attributes : dict
-        Attributes of the surface, by the names of the result file.
+    `sweep` solves one load after another; `loads` are all of the scene; `attributes` those of the
+    surface, by the names of the result file.
     """
 
     def __init__(
@@ -242,20 +211,14 @@ class Run:
         stops: Watch = lambda: False,
         unfinished_of: UnfinishedOf = lambda index: None,
     ) -> Iterator[SolvedLoad]:
-        """Solve loads one after another and yield each; all kinds of runs use this loop.
+        """Solve loads, default all, one after another and yield each; all kinds of runs use this
+        loop.
 
         The next load is solved when it is asked for. On the retraction branch, in a cycle of
         adhesion, and without the stored memory of a history, the loads before the first of
-        `indices` are solved, too; they are not yielded.
-
-        Parameters
-        ----------
-        indices : sequence of int, optional
-            The loads to solve; default: all.
-        stops : callable, optional
-            Whether to stop; the load then has the status "interrupted".
-        unfinished_of : callable, optional
-            The state of a load that an earlier run has begun, and the seconds spent on it.
+        `indices` are solved, too, but not yielded. stops(): whether to stop; the load then has the
+        status "interrupted". unfinished_of(index): the state of a load that an earlier run has
+        begun, and the seconds spent on it.
         """
         wanted = range(len(self.loads)) if indices is None else indices
         if isinstance(self.sweep, History):
@@ -272,14 +235,8 @@ class Run:
             del unfinished  # its fields make room for the next load
 
     def solve_further(self, pressure: float, gap: np.ndarray) -> SolvedLoad:
-        """Solve one more load, from a gap, and add it to `loads` and to the scene.
-
-        Parameters
-        ----------
-        pressure : float
-            Its mean pressure; the scene prescribes pressures, forces or p*.
-        gap : ndarray
-            Local slab, in the program's unit.
+        """Solve one more load, from a gap (local slab, program's unit), and add it to `loads` and
+        to the scene, which prescribes pressures, forces or p*.
         """
         _, values = self.scene.load.prescribed
         E_star = float(self.scene.material.E_star)
@@ -331,10 +288,7 @@ class Run:
 
 
 def with_loads(scene: Scene, values: Sequence[float], attributes: dict[str, Any]) -> Scene:
-    """Return a scene with other loads of the same kind: pressures, forces or p*, in SI units.
-
-    `attributes`: those of the surface, which tell the units.
-    """
+    """Return a scene with other loads of the same kind: pressures, forces or p*, in SI units."""
     name, _ = scene.load.prescribed
     pressure = attributes.get("pressure_unit", "")
     length = attributes.get("unit", "")
@@ -347,19 +301,16 @@ def with_loads(scene: Scene, values: Sequence[float], attributes: dict[str, Any]
 
 
 def _target(load: LoadTable, index: int) -> dict[str, float]:
-    """Return {"target_NAME": value} of load `index`, in the scene's units.
-
-    NAME is force, area, gap or approach; {} if the scene prescribes p_star or pressure.
-    """
+    """Return {"target_NAME": value}, scene's units, of a load that is no pressure, else {}."""
     name, values = load.prescribed
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
 
 
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
-    """Return the attributes of a solved load, by the names of the result file.
+    """Return the attributes of a solved load, by the names of the result file. Collective.
 
-    Collective. They contain the default observables, and the observables and distributions that the
-    scene requests; an observable without a value is None.
+    They contain the default observables, and the observables and distributions that the scene
+    requests; an observable without a value is None.
     """
     observables = observables_named([*default_observables(), *(scene.output.observables or ())])
     numbers = {name: observable(contact) for name, observable in observables.items()}

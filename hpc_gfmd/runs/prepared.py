@@ -14,20 +14,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """The table [surface] that a PreparedSurface was made from, and its attributes at that time.
-
-    `PreparedSurface.table` compares the attributes to find out whether the surface was changed
-    since.
-
-    Attributes
-    ----------
-    table : dict
-        Keys of the table.
-    heights : ndarray
-    sizes : (L_x, L_y)
-    unit : str
-    free : (bool, bool)
-        The attributes of the PreparedSurface that was made.
+    """The table [surface] that a PreparedSurface was made from, and the attributes that it had
+    then, by which `PreparedSurface.table` finds out whether it was changed since.
     """
 
     table: dict[str, Any]

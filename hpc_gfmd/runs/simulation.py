@@ -170,9 +170,9 @@ class _Run:
         return f"{count} of {len(self.run.loads)} loads {are} finished{self.unfinished}"
 
     def prepare(self, begun: float) -> Run:
-        """Compile kernels, make the surface and the loads, write the head.
+        """Compile kernels, make the surface and the loads, write the head. Collective.
 
-        Collective. `begun` is time.monotonic() at the start of the run.
+        begun: time.monotonic() at the start of the run.
         """
         scene = self.scene
         say = self.say
@@ -205,7 +205,7 @@ class _Run:
     def all_loads(self, run: Run) -> str:
         """Solve the missing loads, write the result file, print the table; return the worst status.
 
-        Collective. Raises Stopped if the run has to stop before all loads are finished.
+        Raises Stopped if the run has to stop before all loads are finished. Collective.
         """
         finished = self.file.finished
         run.show(finished)
@@ -317,10 +317,11 @@ class _Run:
         return unfinished, numbers["seconds"]
 
     def _require_storable(self, surface: Surface, *pressures: float) -> None:
-        """Raise SceneError if output.dtype = "single" cannot hold the fields at these pressures.
+        """Raise SceneError if output.dtype = "single" cannot hold the fields at these mean
+        pressures on the wall.
 
-        They are mean pressures on the wall. One that is not above 0 decides nothing: before a load
-        is solved its attraction is not known, and a wall without pressure is stored as zeros.
+        One that is not above 0 decides nothing: before a load is solved its attraction is not
+        known, and a wall without pressure is stored as zeros.
         """
         if self.scene.output.dtype != "single":
             return

@@ -230,11 +230,7 @@ def solve(
 def _warn(
     scene: Scene, facts: dict[str, Any], steps: Sequence[dict], told_before: Sequence[str]
 ) -> None:
-    """Warn of what may be wrong with the surface and its units, unless that was told before, and of
-    loads that have not converged.
-
-    `facts`: attributes of the surface.
-    """
+    """Warn of doubtful heights and units, unless told before, and of unconverged loads."""
     doubts = [SurfaceWarning(note) for note in facts.get("notes", ()) if note not in told_before]
     for step in steps:
         doubts += load_notes(step["p"], scene.material.E_star, facts["g_rms"])

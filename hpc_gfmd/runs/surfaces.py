@@ -92,22 +92,9 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
 def surface_of_topography(topography: Any, boundary: Any) -> PreparedSurface:
     """Return the surface that a Topography of SurfaceTopography shows as it is.
 
-    Parameters
-    ----------
-    topography : SurfaceTopography.Topography
-    boundary
-        As for `prepare_surface`; None if it is not given.
-
-    Returns
-    -------
-    PreparedSurface
-        As `prepare_surface` without other keys.
-
-    Raises
-    ------
-    SceneError
-        For a Topography without sizes, or with points that have no height, or without a boundary
-        where opposite edges do not meet.
+    boundary: as for `prepare_surface`; None if it is not given. Raises SceneError for one without
+    sizes, or with points that have no height, or without a boundary where opposite edges do not
+    meet.
     """
     as_it_is, spec = _in_memory(topography, {} if boundary is None else {"boundary": boundary})
     checked(complete_array(topography.heights()), 0, "heights")
@@ -118,10 +105,9 @@ def surface_of_topography(topography: Any, boundary: Any) -> PreparedSurface:
 
 def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
     """Return heights in memory as a map that can be read, and the [surface] of a scene with these
-    keys.
+    keys of `prepare_surface`.
 
-    `heights` and `keys` are those of `prepare_surface`. Edges and sizes that the keys do not give
-    are those of the heights. Raises SceneError.
+    Edges and sizes that the keys do not give are those of the heights.
     """
     metadata = Metadata()
     doubts = []
@@ -206,9 +192,8 @@ def _free_edges(surface: Any) -> tuple[bool, bool]:
 def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topography:
     """Return the Topography of one of the two surfaces of `combine_surfaces`; a file is opened.
 
-    `path` is its path, or a name for messages; `spec` the [surface] of the sum; `keys` those of the
-    call. Raises SceneError if it cannot be read, if it is of another type, or if keys for reading
-    files are given with a PreparedSurface.
+    `path` is its path, or a name for messages. Raises SceneError if it cannot be read, if it is of
+    another type, or if keys for reading files are given with a PreparedSurface.
     """
     if isinstance(surface, PreparedSurface):
         of_files = [key for key in keys if key in Reading.model_fields]
@@ -240,10 +225,7 @@ def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topograph
 
 
 def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
-    """Return the PreparedSurface that a scene's [surface] makes of a height map.
-
-    All heights are read. Raises SceneError as `prepare`.
-    """
+    """Return the PreparedSurface that a [surface] makes of a height map, which is read whole."""
     prepared = prepare(topography, spec, look=True)
     for note in prepared.notes:
         warnings.warn(note, stacklevel=3)  # where the caller of read_surface is
@@ -251,10 +233,10 @@ def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
 
 
 def _surface(topography: Topography, spec: Any) -> PreparedSurface:
-    """Return the PreparedSurface with the heights of a map, all of which are read as they are.
+    """Return the PreparedSurface with the heights of a map as they are, and the edges of a
+    [surface].
 
-    Its edges are those of `spec`, a scene's [surface]. Heights that belong to the caller are
-    copied; those of the result cannot be written to.
+    Heights that belong to the caller are copied; those of the result cannot be written to.
     """
     heights = topography.rows(0, topography.n[0])
     if not heights.flags.owndata:  # those of the caller, who may change them
@@ -304,19 +286,13 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
 
 
 def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:
-    """Return a scene with `table` as its [surface], and the table in plain Python values.
-
-    `caller` names the function in messages. Raises SceneError for invalid keys and values.
-    """
+    """Return a scene with `table` as its [surface], and the table in plain Python values."""
     table = {key: plain(value) for key, value in table.items()}
     return Scene.from_dict({"surface": table, "load": {"pressure": 1.0}}, caller), table
 
 
 def plain(value: Any) -> Any:
-    """Convert NumPy numbers, arrays and tuples, also nested, to Python numbers and lists.
-
-    Other values are returned as they are.
-    """
+    """Convert NumPy numbers, arrays and tuples, also nested, to Python numbers and lists."""
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value

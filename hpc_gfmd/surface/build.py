@@ -1,7 +1,4 @@
-"""From the scene's [surface] to the gap under zero load, in the program's units.
-
-The units are defined in operators/problem.py.
-"""
+"""From the scene's [surface] to the gap under zero load, in the program's units."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -63,35 +60,12 @@ def build_surface(
     whole: bool = False,
     opened: Callable[[], Topography | None] = lambda: None,
 ) -> Surface:
-    """Make or read the surface of a scene. Collective.
+    """Make or read the surface of a scene, each rank its own rows. Collective.
 
-    Parameters
-    ----------
-    spec : scene.surface.SurfaceTable
-        The scene's [surface], of any kind.
-    comm : Comm
-        All ranks; each gets its own rows.
-    dtype : dtype
-        Precision of the gap.
-    threads : int
-        Threads of this rank.
-    low_memory : bool
-        Whether to make a self-affine surface with transforms in the precision of the gap, not in
-        double precision.
-    whole : bool
-        Whether to keep both axes where heights vary along one only.
-    opened : function
-        opened() returns the map of a file if it is open on this rank, and keeps no reference to it;
-        else None, and the file is opened.
-
-    Returns
-    -------
-    Surface
-
-    Raises
-    ------
-    SceneError
-        On all ranks, if the surface cannot be read or made on any.
+    low_memory: make a self-affine surface with transforms in the precision of the gap, not in
+    double; whole: keep both axes where heights vary along one only; opened(): the map of a file if
+    it is open on this rank, of which it keeps no reference. Raises SceneError on all ranks if the
+    surface cannot be read or made on any.
     """
     dtype = np.dtype(dtype)
     if spec.kind == "file":
@@ -172,7 +146,7 @@ def _shared(spec: Any, comm: Any, opened: Callable[[], Topography | None]) -> To
     """Return the prepared map of a scene, of which each rank can read its rows. Collective.
 
     Rank 0 reads and prepares it, and the others get their rows; from an array in a file that needs
-    no preparation every rank reads its own. opened: as for `build_surface`.
+    no preparation every rank reads its own.
     """
     handed: list[Topography] = []  # so that nothing here refers to the map while it is prepared
     is_read_by_rows = False
@@ -186,10 +160,7 @@ def _shared(spec: Any, comm: Any, opened: Callable[[], Topography | None]) -> To
 
 
 def _on_rank_0(make: Callable[[], Topography], spec: Any, comm: Any) -> Topography:
-    """Return the heights that make() returns on rank 0, of which each rank gets its rows.
-
-    Collective. spec: a scene's [surface].
-    """
+    """Return the heights that make() returns on rank 0, each rank its rows. Collective."""
     about = None  # the map without its heights
     with collective_errors(comm, "reading the surface"):
         if comm.rank == 0:
@@ -210,9 +181,9 @@ def _on_rank_0(make: Callable[[], Topography], spec: Any, comm: Any) -> Topograp
 
 
 def _read_by_rows(topography: Topography | None, spec: Any, comm: Any) -> Topography:
-    """Return a map that needs no preparation and that each rank reads by rows. Collective.
+    """Return a map (opened, on rank 0) that needs no preparation and that each rank reads by rows.
 
-    topography: opened, on rank 0. Raises SceneError on all ranks if they find different maps.
+    Raises SceneError on all ranks if they find different maps. Collective.
     """
     with collective_errors(comm, "reading the surface"):
         if topography is None:
@@ -237,36 +208,12 @@ def surface_of(
     with_checksum: bool = False,
     whole: bool = False,
 ) -> Surface:
-    """Make the Surface with the heights of a Topography, which are read here. Collective.
+    """Make the Surface with the heights of a prepared Topography, which are read here. Collective.
 
     g_rms comes from differences between neighbouring points if an edge is free, else from the
     Fourier series. A periodic surface whose heights change along one axis only is reduced to one
-    point along the other, see `Surface.reduced_axis`.
-
-    Parameters
-    ----------
-    topography : Topography
-        Prepared, without missing heights.
-    comm : Comm
-    dtype : dtype
-        Precision of the gap.
-    threads : int
-        Threads of this rank.
-    free : (bool, bool)
-        Whether the edges are free along x, along y.
-    with_checksum : bool
-        Whether to compute the checksum, which tells height maps apart.
-    whole : bool
-        Whether to keep both axes where heights vary along one only.
-
-    Returns
-    -------
-    Surface
-
-    Raises
-    ------
-    SceneError
-        On all ranks, if heights cannot be read, are not finite or differ by too little.
+    point along the other unless `whole`, see `Surface.reduced_axis`. Raises SceneError on all ranks
+    if heights cannot be read, are not finite or differ by too little.
     """
     n = topography.n
     sizes = topography.sizes
@@ -322,10 +269,10 @@ def surface_of(
 
 
 def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> list:
-    """Call function(rows of each field) for all pieces of this rank's rows, on all threads.
+    """Call function(rows of each field) for all pieces of this rank's rows, on all threads; it may
+    change the rows.
 
-    fields: arrays of the same rows, of which function gets views that it may change. Returns what
-    the calls returned, in the order of the pieces.
+    Returns what the calls returned, in the order of the pieces.
     """
     return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
 
@@ -336,12 +283,11 @@ def _largest(grid: Grid, z: np.ndarray) -> float:
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
-    """Reduce a map that varies along one axis only to that axis. Collective.
+    """Reduce a map (slab z) that varies along one axis only to that axis. Collective.
 
-    z: this rank's slab of the map on grid. Returns (grid, z): the grid with one point along the
-    other axis, which every rank has to itself, and the whole line of heights, on every rank. Any
-    other map, and one that has one point along an axis already, is returned with its grid as it is.
-    A constant map keeps the points along y.
+    Returns the grid with one point along the other axis, which every rank has to itself, and the
+    whole line of heights, on every rank; any other map and its grid as they are. A constant map
+    keeps the points along y.
     """
     comm = grid.comm
     line = comm.bcast(z[:1].copy())

@@ -1,6 +1,5 @@
-"""The bytes of a file, unpacked if it is packed, and the format that these bytes show.
-
-The name of a file decides its format only if the bytes do not.
+"""The bytes of a file, unpacked if it is packed, and the format that these bytes show; its name
+decides only if they do not.
 """
 
 import bz2
@@ -54,21 +53,13 @@ _NUMERIC_LINE = re.compile(rb"[\s\d.,;+\-eE]*\d[\s\d.,;+\-eE]*\s")
 
 @dataclass(frozen=True)
 class Contents:
-    """The bytes of a file.
+    """The bytes of a file."""
 
-    Attributes
-    ----------
-    path : Path
-        Path of the file as the scene gives it.
-    unpacked : bytes, optional
-        The unpacked bytes if the file is packed (gzip, bzip2, xz, or one file of a zip), else None.
-    name : str
-        Name of the file inside a packed one, with its folder in a zip, otherwise the name in
-        `path`; its suffix is the format that the file claims to have.
-    """
-
-    path: Path
+    path: Path  # of the file as the scene gives it
+    # bytes of a packed file (gzip, bzip2, xz, or one file of a zip), else None
     unpacked: bytes | None = None
+    # Name of the file inside a packed one, with its folder in a zip, otherwise that in `path`; its
+    # suffix is the format that the file claims to have.
     name: str = ""
 
     @property
@@ -103,21 +94,8 @@ class Contents:
 def contents_of(path: Path, member: str = "") -> Contents:
     """Return the contents of a file; a packed file is read whole and unpacked in memory.
 
-    Parameters
-    ----------
-    path : Path
-        Path of an existing file.
-    member : str
-        Which file of a zip is read, if the zip has one of this name; else its only one.
-
-    Returns
-    -------
-    Contents
-
-    Raises
-    ------
-    OSError, EOFError, zlib.error, lzma.LZMAError
-        If the file cannot be read or unpacked.
+    member: which file of a zip is read, if it has one of this name; else its only one. Raises
+    errors of OSError, EOFError, zlib and lzma.
     """
     contents = Contents(path, name=path.name)
     head = contents.head()
@@ -144,14 +122,10 @@ def files_in(archive: ZipFile) -> list[str]:
 
 
 def format_of(contents: Contents) -> str:
-    """Find the format of a file by its first bytes.
+    """Return the format of a file by its first bytes, "" if only SurfaceTopography may know it.
 
-    Returns
-    -------
-    str
-        "npy", "npz", "x3p", "container", "zip", "zygo xyz", "hdf5", "netcdf", "tiff", "png",
-        "picture" (any other), "numbers" (a text that begins with a line of numbers or with #),
-        "text" (any other text), or "" for anything else, which SurfaceTopography may know.
+    "numbers" is a text that begins with a line of numbers or with #, "picture" any that is not TIFF
+    or PNG.
     """
     head = contents.head()
     if any(head[start:].startswith(_HDF5) for start in _USER_BLOCKS):
@@ -172,10 +146,7 @@ def format_of(contents: Contents) -> str:
 
 
 def is_utf16(head: bytes) -> bool:
-    """Whether bytes begin a text in UTF-16: by its mark, or by zeros in every second byte.
-
-    head: the first bytes of a file. Without a mark at least 18 of them are needed.
-    """
+    """Whether bytes begin a text in UTF-16: by its mark, or zeros in every second of 18 bytes."""
     if head.startswith(_UTF16):
         return True
     pairs = len(head) // 2
@@ -184,9 +155,8 @@ def is_utf16(head: bytes) -> bool:
 
 
 def _format_of_archive(contents: Contents) -> str:
-    """Return the format of a ZIP archive by its names: "x3p", "container", "npz" or "zip".
-
-    For a damaged archive it is the format that its suffix claims, or "zip".
+    """Return the format of a ZIP archive by its names, of a damaged one that which its suffix
+    claims: "x3p", "container", "npz" or "zip".
     """
     try:
         with contents.open() as stream, ZipFile(stream) as archive:

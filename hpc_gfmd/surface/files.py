@@ -1,7 +1,4 @@
-"""Height maps from files, peaks up.
-
-The first bytes of a file decide its format; its name only decides if they do not.
-"""
+"""Height maps from files, peaks up; the first bytes of a file decide its format."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -28,25 +25,12 @@ OF_TEXT = ("skip_lines", "decimal", "coordinates")  # keys of [surface] that onl
 
 
 def open_map(spec: Any) -> Map:
-    """Open the height map of a scene; arrays in binary files are read later, by rows.
+    """Open the height map of a scene with a single path; arrays in binary files are read later, by
+    rows.
 
-    Parameters
-    ----------
-    spec : scene.File
-        With a single path.
-
-    Returns
-    -------
-    heights : array, or anything sliced like one
-        With two axes, real numbers; nan or masked where a height is missing.
-    metadata : Metadata
-        What the file says about them.
-
-    Raises
-    ------
-    SceneError
-        If the file is not readable or holds no height map, or if the scene sets a key that its
-        format has no use for.
+    Returns heights (an array, or anything sliced like one; nan or masked where missing) and
+    Metadata. Raises SceneError if the file is not readable or holds no map, or if the scene sets a
+    key that its format has no use for.
     """
     path = Path(spec.path)
     require_name("surface.path", path)
@@ -80,19 +64,7 @@ def open_map(spec: Any) -> Map:
 
 
 def opener_of(contents: Contents) -> tuple[str, Opener]:
-    """Choose how to read a file.
-
-    Parameters
-    ----------
-    contents : Contents
-
-    Returns
-    -------
-    name : str
-        Name of the format, for messages and notes.
-    opener : function
-        Takes the Contents and a scene.File, and returns a Map.
-    """
+    """Return the name of the format of a file and the function (contents, spec) that reads it."""
     kind = format_of(contents)
     head = contents.head().removeprefix(b"\xef\xbb\xbf")
     for begin, name in NOT_READ.items():
@@ -111,10 +83,7 @@ def opener_of(contents: Contents) -> tuple[str, Opener]:
 
 
 def _hdf5(contents: Contents, spec: Any) -> Map:
-    """Open an HDF5 file, a file of Zygo by its own reader, for a scene.File.
-
-    Raises what `of_zygo` and `read_hdf5` raise.
-    """
+    """Open an HDF5 file, a file of Zygo by its own reader."""
     return instruments.of_zygo(contents, spec) or arrays_in_files.read_hdf5(contents, spec)
 
 
@@ -133,11 +102,7 @@ def _archive(contents: Contents, spec: Any) -> Map:
 
 
 def _require_keys_apply(spec: Any, kind: str) -> None:
-    """Raise SceneError if the scene sets a key that has no meaning for a format.
-
-    spec: a scene.File. kind: name of the format that was read, such as "text". height_range is for
-    "tiff" and "png", and the keys OF_TEXT are for "text".
-    """
+    """Raise SceneError if the scene sets a key that has no meaning for a format, `kind`."""
     of_pictures = () if kind in ("tiff", "png") else ("height_range",)
     for key in (*(() if kind == "text" else OF_TEXT), *of_pictures):
         value = getattr(spec, key)

@@ -18,33 +18,15 @@ _COMMENT = re.compile(r"(?:^|\s)#.*")  # not within a token
 
 @dataclass(frozen=True)
 class TextLayout:
-    """How the numbers of a text are written.
+    """How the numbers of a text are written."""
 
-    Attributes
-    ----------
-    mark : str or None
-        What separates numbers; None: white space.
-    decimal : str
-        "." or ",".
-    missing : frozenset of str
-        Texts that stand for missing points, in lower case.
-    columns : int
-        Numbers in a line; 0 if no line can be read.
-    header_lines : int
-        Lines before the numbers.
-    ended : bool
-        Whether every line ends with a mark, after which there is no number.
-    numbers : int
-        Numbers in the lines that were looked at.
-    """
-
-    mark: str | None
-    decimal: str
-    missing: frozenset[str]
-    columns: int = 0
-    header_lines: int = 0
-    ended: bool = False
-    numbers: int = 0
+    mark: str | None  # what separates numbers; None: white space
+    decimal: str  # "." or ","
+    missing: frozenset[str]  # texts that stand for missing points, in lower case
+    columns: int = 0  # numbers in a line; 0 if no line can be read
+    header_lines: int = 0  # lines before the numbers
+    ended: bool = False  # whether every line ends with a mark, after which there is no number
+    numbers: int = 0  # in the lines that were looked at
 
     def plain(self, line: str) -> str:
         """Return a line without a comment at its end, and with one word for a missing point."""

@@ -14,29 +14,14 @@ UNITS = 'a unit of length, such as surface.unit = "nm"'
 
 
 class MapUnits(NamedTuple):
-    """Sizes and units of a map.
+    """Sizes and units of a map."""
 
-    Attributes
-    ----------
-    sizes : (L_x, L_y)
-        In m if units are named.
-    height, length : float
-        What a number of the heights in the file, and a length without a unit in the scene, is
-        multiplied by to be in m; 1 if units are not named.
-    sizes_unit : str, optional
-        Unit of lengths without a unit in the scene; None if it is not known.
-    are_named : bool
-        Whether the unit of the heights is known, and with it that of the sizes.
-    notes : tuple of SurfaceWarning
-        Remarks on the sizes for the user.
-    """
-
-    sizes: tuple[float, ...]
-    height: float
-    length: float
-    sizes_unit: str | None
-    are_named: bool
-    notes: tuple[SurfaceWarning, ...]
+    sizes: tuple[float, ...]  # in m if units are named
+    height: float  # what a number of the heights in the file is multiplied by to be in m, or 1
+    length: float  # what a length without a unit in the scene is multiplied by to be in m, or 1
+    sizes_unit: str | None  # unit of lengths without a unit in the scene; None if it is not known
+    are_named: bool  # whether the unit of the heights is known, and with it that of the sizes
+    notes: tuple[SurfaceWarning, ...]  # remarks on the sizes for the user
 
 
 def missing_keys(metadata: Metadata, spec: Any, path: object) -> dict[str, str]:

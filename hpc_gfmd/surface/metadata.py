@@ -19,69 +19,33 @@ _Y_STANDARD = ("projection_y_coordinate", "latitude", "grid_latitude")
 
 @dataclass(frozen=True)
 class Metadata:
-    """What a file says about its heights; None or empty if it says nothing.
+    """What a file says about its heights; None or empty if it says nothing."""
 
-    Attributes
-    ----------
-    sizes : (L_x, L_y), optional
-        In sizes_unit.
-    sizes_unit : str, optional
-        As the file writes it; it need not be a unit of length.
-    unit : str, optional
-        Unit of the heights, as the file writes it.
-    periodic : bool, optional
-        True if the file says so; None otherwise.
-    transposed : bool
-        Whether the first axis of the array is y.
-    falling : tuple of bool
-        Whether the coordinates of the points fall along x, along y. Such heights are reversed when
-        they are read.
-    direction : str
-        Along what x runs in the file, as a phrase for the user.
-    direction_known : bool
-        Whether the file itself says which direction is x.
-    channel : str
-        The channel that was read, if there are several.
-    other_channels : tuple of str
-        The channels that were not read.
-    missing : tuple of float
-        Numbers that stand for missing heights.
-    remarks : tuple of str
-        What the user should know of how the file was read, a line each.
-    reader : str
-        The format as which the file was read.
-    """
-
-    sizes: tuple[float, ...] | None = None
-    sizes_unit: str | None = None
-    unit: str | None = None
-    periodic: bool | None = None
-    transposed: bool = False
+    sizes: tuple[float, ...] | None = None  # in sizes_unit
+    sizes_unit: str | None = None  # as the file writes it; it need not be a unit of length
+    unit: str | None = None  # of the heights, as the file writes it
+    periodic: bool | None = None  # True if the file says so; None otherwise
+    transposed: bool = False  # whether the first axis of the array is y
+    # whether coordinates fall along x, along y: heights are reversed when they are read
     falling: tuple[bool, ...] = (False, False)
+    # along what x runs in the file, as a phrase for the user
     direction: str = "along the first index of the array"
-    direction_known: bool = True
-    channel: str = ""
-    other_channels: tuple[str, ...] = ()
-    missing: tuple[float, ...] = ()
-    remarks: tuple[str, ...] = ()
-    reader: str = ""
+    direction_known: bool = True  # whether the file itself says which direction is x
+    channel: str = ""  # that was read, if there are several
+    other_channels: tuple[str, ...] = ()  # that were not read
+    missing: tuple[float, ...] = ()  # numbers that stand for missing heights
+    remarks: tuple[str, ...] = ()  # what the user should know of how the file was read, a line each
+    reader: str = ""  # the format as which the file was read
 
 
 Map = tuple[Any, Metadata]  # an array, or anything sliced like one, and what is said of it
 
 
 def by_attributes(*places: Mapping[str, Any]) -> Metadata:
-    """Make metadata of the attributes physical_sizes, unit or units, and periodic (HDF5, .npz).
+    """Make metadata of the attributes physical_sizes, unit or units, and periodic (HDF5, .npz) of
+    the heights, then of the file.
 
-    Parameters
-    ----------
-    *places : mapping
-        Attributes of the heights, then those of the file; each attribute is taken from the first
-        place that has it. Sizes are in the unit in the same place, or else in that of the heights.
-
-    Returns
-    -------
-    Metadata
+    Sizes are in the unit in the same place, or else in that of the heights.
     """
 
     def first_with(name: str) -> Mapping[str, Any]:
@@ -100,27 +64,12 @@ def by_attributes(*places: Mapping[str, Any]) -> Metadata:
 
 
 def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
-    """Make metadata of a NetCDF variable and its axes.
+    """Make metadata of a NetCDF variable and its two axes, (name, attributes, coordinates or None).
 
     Two conventions are understood: `length` and `unit` of the axes (SurfaceTopography), and
     coordinates of the points with `units` (CF). Coordinates without a unit are not used if the
-    heights have one or if they only count the points.
-
-    Parameters
-    ----------
-    heights : mapping
-        Attributes of the variable.
-    axes : list of (name, attributes, coordinates)
-        The first and the second axis of the array; coordinates may be None.
-
-    Returns
-    -------
-    Metadata
-
-    Raises
-    ------
-    ValueError
-        If coordinates are not evenly spaced, or the axes have different units.
+    heights have one or if they only count the points. Raises ValueError if coordinates are not
+    evenly spaced, or the axes have different units.
     """
     names = tuple(name for name, *_ in axes)
     transposed = is_y_first([(name, attributes) for name, attributes, _ in axes])
@@ -150,10 +99,10 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
 
 
 def is_y_first(axes: list[tuple[str, Mapping[str, Any]]]) -> bool:
-    """Whether the first of two axes is y, by their attributes and names.
+    """Whether the first of two axes, (name, attributes), is y, by `axis` and `standard_name` of CF
+    and by name.
 
-    axes: [(name, attributes), (name, attributes)], where the attributes `axis` and `standard_name`
-    of CF are used. An axis that is neither x nor y by these counts as the other one.
+    An axis that is neither x nor y by these counts as the other one.
     """
     return [_direction(*axis) for axis in axes] in (["y", "x"], ["y", ""], ["", "x"])
 
@@ -164,22 +113,8 @@ def is_x_or_y(axes: list) -> bool:
 
 
 def missing_numbers(spec: Any, path: object) -> tuple[float, ...]:
-    """Return the numbers that the scene's key `missing` declares to mark missing heights.
-
-    Parameters
-    ----------
-    spec : scene.File
-    path : object
-        Path of the file, for the message.
-
-    Returns
-    -------
-    tuple of float
-
-    Raises
-    ------
-    SceneError
-        If the key holds a text that is not a number; only text files can have such marks.
+    """Return the numbers that the key `missing` declares, or raise SceneError for texts, which only
+    text files can have.
     """
     try:
         return tuple(float(text) for text in spec.missing)
@@ -215,10 +150,10 @@ def _direction(name: str, attributes: Mapping[str, Any]) -> str:
 
 
 def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
-    """Return the length of an axis: its attribute `length`, or the points times their distance.
+    """Return the length of an axis: its attribute, or the points x times their distance; None if
+    unknown.
 
-    x: the coordinates of the points, or None. The length is negative if they fall, and None if it
-    is not known. Raises ValueError if they are not evenly spaced.
+    It is negative if they fall. Raises ValueError if they are not evenly spaced.
     """
     if "length" in attributes:
         return float(np.ravel(attributes["length"])[0])

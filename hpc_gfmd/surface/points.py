@@ -88,28 +88,15 @@ def is_grid(table: np.ndarray) -> bool:
 
 
 class Labels(NamedTuple):
-    """Signs that the first line or column of a matrix is not heights.
+    """Signs that the first line or column of a matrix is not heights."""
 
-    Attributes
-    ----------
-    signs : tuple of bool
-        Whether there is each of the following.
-    corner : str or None
-        The first token of the first line, if it is not a number.
-    above : ndarray or None
-        Numbers in the line above the matrix, after its first token, if that line fits the columns.
-    names_index : bool
-        Whether a line above names the columns, and has no name, or "index", for the first one.
-    whole_line, whole_column : bool
-        Whether the first line, or the first column, is of whole numbers and all others have
-        decimals.
-    """
-
-    corner: str | None
+    corner: str | None  # the first token of the first line, if it is not a number
+    # Numbers in the line above the matrix, after its first token, if that line fits the columns.
     above: np.ndarray | None
+    # Whether a line above names the columns, and has no name, or "index", for the first one.
     names_index: bool
-    whole_line: bool
-    whole_column: bool
+    whole_line: bool  # the first line is of whole numbers, all others have decimals
+    whole_column: bool  # the first column is of whole numbers, all others have decimals
 
     @property
     def signs(self) -> tuple[bool, ...]:

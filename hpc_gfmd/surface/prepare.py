@@ -2,10 +2,8 @@
 
 The steps, in this order: crop, spikes, detrend (by the points that were measured), fill, flip,
 mirror or window, refine, downsample, and the form under the map. Each of two scans is filled before
-they are added, see two_scans.py.
-
-One process prepares the whole map, and each step makes a new array. A map in a file that needs no
-step is never read whole, see `needs_preparation`.
+they are added, see two_scans.py. One process prepares the whole map, and each step makes a new
+array; a map in a file that needs no step is never read whole.
 """
 
 from dataclasses import replace
@@ -30,22 +28,10 @@ POWERS = {
 
 
 def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return the size of what `prepare` will make of a Topography, without reading heights.
+    """Return points and sizes of what `prepare` will make of a Topography, without reading heights.
 
-    Parameters
-    ----------
-    topography : Topography
-    spec : scene.File
-
-    Returns
-    -------
-    n : (n_x, n_y)
-    sizes : (L_x, L_y)
-
-    Raises
-    ------
-    SceneError
-        If the cropped part is not within the map, or downsample does not divide its points.
+    Raises SceneError if the cropped part is not within the map, or downsample does not divide its
+    points.
     """
     topography = _cropped(topography, spec) if spec.crop else topography
     topography = mirrored(topography, spec.mirrored)
@@ -59,10 +45,7 @@ def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], t
 
 
 def asks_for_preparation(spec: Any) -> bool:
-    """Whether a scene's [surface] asks for a step for which a map is read whole.
-
-    A form under the map is none: it is added to rows as they are read.
-    """
+    """Whether a [surface] asks for a step for which a map is read whole, unlike a form."""
     return (
         bool(spec.bodies or spec.crop or spec.flip)
         or any(spec.mirrored)
@@ -73,25 +56,11 @@ def asks_for_preparation(spec: Any) -> bool:
 
 
 def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography:
-    """Prepare a height map as the scene asks for, on one process.
+    """Prepare a height map as the scene asks for, on one process; if `look`, with notes on its
+    quality, too.
 
-    Parameters
-    ----------
-    topography : Topography
-        Not changed.
-    spec : scene.File
-    look : bool
-        Whether to look at the quality of the map, too, not only at its edges.
-
-    Returns
-    -------
-    Topography
-        With complete heights; its `prepared` lists the steps and its `notes` remarks on the map.
-
-    Raises
-    ------
-    SceneError
-        If the scene still has to say how holes are filled, or what is beyond the edges.
+    Raises SceneError if the scene still has to say how holes are filled, or what is beyond the
+    edges.
     """
     if topography.bodies:
         topography = _of_filled_scans(topography, spec)
@@ -206,10 +175,9 @@ def _of_filled_scans(topography: Topography, spec: Any) -> Topography:
 
 
 def _cropped(topography: Topography, spec: Any) -> Topography:
-    """Return the part of the map within spec.crop, its limits rounded to grid points.
+    """Return the part of the map within spec.crop, rounded to grid points, or raise SceneError.
 
-    It counts as periodic only if the whole map is kept. Raises SceneError if it is not within the
-    map.
+    It counts as periodic only if the whole map is kept.
     """
     ends = []
     for axis in (0, 1):
@@ -241,10 +209,10 @@ def _cropped(topography: Topography, spec: Any) -> Topography:
 
 
 def _detrended(topography: Topography, trend: str) -> Topography:
-    """Subtract the polynomial that fits the measured heights best.
+    """Subtract the polynomial ("mean", "tilt": plane, "curvature": second degree) that fits the
+    measured heights best.
 
-    trend: "mean", "tilt" (plane) or "curvature" (second degree). After the last two it is open
-    whether the map is periodic, even if its file says so.
+    After the last two it is open whether the map is periodic, even if its file says so.
     """
     z = topography.heights()
     is_measured = np.isfinite(z)
@@ -297,10 +265,11 @@ def mirrored(topography: Topography, along: tuple[bool, bool]) -> Topography:
 
 
 def _windowed(topography: Topography, name: str) -> Topography:
-    """Return the map times a window that falls to 0 at the edges, which makes it periodic.
+    """Return the map, of mean 0, times a window that falls to 0 at the edges, which makes it
+    periodic.
 
-    The mean of the heights must be 0. name: a window of scipy.signal.windows, the same along x and
-    y. A note says what the window does to h_rms and g_rms.
+    name: a window of scipy.signal.windows, the same along x and y. A note says what it does to
+    h_rms and g_rms.
     """
     from scipy.signal.windows import get_window
 

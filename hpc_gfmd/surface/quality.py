@@ -16,37 +16,29 @@ from .analytic import Rows
 
 @dataclass(frozen=True)
 class Doubt:
-    """Thresholds above which a height map triggers a note (chosen by hand).
+    """Thresholds above which a height map triggers a note (chosen by hand)."""
 
-    Attributes
-    ----------
-    tilt, slight_tilt : float
-        Share of the variance of the heights that is tilt; a slight one gets a hint.
-    unresolved : float
-        Mean square slope between neighbours over that between second neighbours: near 1 if the grid
-        resolves the spectrum.
-    filled : float
-        Share of the points that had no height.
-    jump : float
-        Difference between opposite edges over that between neighbours.
-    kink : float
-        Change of slope at the edge over that inside.
-    outlying : float
-        Distance of a height from the median of its neighbours over the difference of neighbours.
-    faded : float
-        Relative change of h_rms or g_rms by a window.
-    rounding : float
-        Opposite edges count as equal if they differ by less than this share of the heights.
-    """
-
-    tilt: float = 0.5
-    slight_tilt: float = 0.05
+    # share of the variance of the heights that is tilt
+    tilt: float = 0.5  # share of the variance of the heights that is tilt
+    slight_tilt: float = 0.05  # likewise, for a hint
+    # Mean square slope between neighbours over that between second neighbours: near 1 if the grid
+    # resolves the spectrum.
+    # Mean square slope between neighbours over that between second neighbours: near 1 if the grid
+    # resolves the spectrum.
     unresolved: float = 1.2
-    filled: float = 0.1
-    jump: float = 3.0
-    kink: float = 8.0
+    # share of the points that had no height
+    filled: float = 0.1  # share of the points that had no height
+    # difference between opposite edges over that between neighbours
+    jump: float = 3.0  # difference between opposite edges over that between neighbours
+    # change of slope at the edge over that inside
+    kink: float = 8.0  # change of slope at the edge over that inside
+    # Distance of a height from the median of its neighbours over the difference of neighbours.
+    # Distance of a height from the median of its neighbours over the difference of neighbours.
     outlying: float = 10.0
-    faded: float = 0.1
+    # relative change of h_rms or g_rms by a window
+    faded: float = 0.1  # relative change of h_rms or g_rms by a window
+    # opposite edges that differ by less than this share of the heights are equal
+    # opposite edges that differ by less than this share of the heights are equal
     rounding: float = 1e-12
 
 
@@ -59,18 +51,11 @@ PIECE = 64  # rows that stay in the cache
 
 @dataclass(frozen=True)
 class Edges:
-    """How opposite edges of a map meet, compared with its inside along the same axis.
+    """How opposite edges of a map meet, along x and y, compared with its inside."""
 
-    Attributes
-    ----------
-    jumps : (float, float)
-        Along x and y: difference between last and first point over that between neighbours.
-    kinks : (float, float)
-        Along x and y: change of slope at the edge over that inside.
-    """
-
+    # difference between last and first point over that between neighbours
     jumps: tuple[float, float]
-    kinks: tuple[float, float]
+    kinks: tuple[float, float]  # change of slope at the edge over that inside
 
     @property
     def meet(self) -> tuple[bool, bool]:
@@ -115,10 +100,7 @@ class Edges:
 
 
 def edges_of(read: Rows, n: tuple[int, ...]) -> Edges:
-    """Return how the edges of a map of n points without holes meet.
-
-    read(start, stop) returns rows; at most 3 GROUPS of them are read.
-    """
+    """Return how the edges of a map of n points without holes meet, by at most 3 GROUPS rows."""
     height = min(3, n[0])
     starts = sorted({round(k * (n[0] - height) / (GROUPS - 1)) for k in range(GROUPS)})
     groups = np.array([read(start, start + height) for start in starts])
@@ -131,10 +113,7 @@ def edges_of(read: Rows, n: tuple[int, ...]) -> Edges:
 
 
 def _jump_and_kink(inside: np.ndarray, ends: np.ndarray) -> tuple[float, float]:
-    """Return jump and kink along the first axis.
-
-    inside: neighbouring points. ends: the last two points and the first two, in this order.
-    """
+    """Return jump and kink along the first axis; ends: the last two points and the first two."""
     steps = inside[1:] - inside[:-1]
     steps_of_ends = ends[1:] - ends[:-1]
     step, bend, jump, kink = (
@@ -154,29 +133,14 @@ def _jump_and_kink(inside: np.ndarray, ends: np.ndarray) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class MapQuality:
-    """Statistics of a map; medians, which a few outliers do not change, where points are compared.
+    """Statistics of a map; points are compared by medians, robust against outliers."""
 
-    Attributes
-    ----------
-    typical : float
-        Median difference between neighbours, in the unit of the heights; the larger one of both
-        axes.
-    tilt : float
-        Share of the variance of the heights that a plane with the median slope removes. A step does
-        not count as tilt.
-    unresolved : float
-        Measure of unresolved roughness, see Doubt; the larger one of both axes.
-    h_rms : float
-        In the unit of the heights.
-    g_rms : float
-        From differences between neighbours.
-    """
-
-    typical: float
+    typical: float  # median difference between neighbours, the larger one of both axes
+    # share of the variance that a plane with the median slope removes, so not that of a step
     tilt: float
-    unresolved: float
+    unresolved: float  # measure of unresolved roughness, see Doubt; the larger one of both axes
     h_rms: float
-    g_rms: float
+    g_rms: float  # from differences between neighbours
 
     def notes(self) -> list[SurfaceWarning]:
         """Return notes on tilt and an unresolved spectrum."""
@@ -219,10 +183,7 @@ def quality_of(z: np.ndarray, sizes: tuple[float, ...]) -> MapQuality:
 
 
 def _sums(z: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], float, np.ndarray]:
-    """Return mean profiles along x and y, variance, and mean squares of steps along x and y.
-
-    Heights are counted from their mean.
-    """
+    """Return mean profiles along x and y, variance, and mean squares of steps along x and y."""
     mean = z.mean()
     of_rows = []
     of_columns = np.zeros(z.shape[1])
@@ -308,10 +269,7 @@ def outliers(z: np.ndarray, typical: float) -> int:
 
 
 def without_outliers(z: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return heights with each of `outliers` at the median of its neighbours, and their number.
-
-    Points without a height stay so.
-    """
+    """Return heights with each of `outliers` at the median of its neighbours, and their number."""
     if min(z.shape) < 3:
         return z, 0
     typical = 0.0

@@ -32,25 +32,11 @@ AGREE = 1e-3  # relative difference of sizes that are the same
 
 
 def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
-    """Read a map, or two scans, and suggest keys of [surface] for it.
+    """Read a map, or two scans, whole, on this process, and suggest keys of [surface] for it,
+    beside user_keys.
 
-    All heights are read, by this process alone.
-
-    Parameters
-    ----------
-    make : function
-        Takes a dict of keys of [surface], without path or bodies, and returns a scene.File.
-    user_keys : dict
-        Keys that the user has set; not changed, and contained in the values of the result.
-
-    Returns
-    -------
-    Suggestion
-
-    Raises
-    ------
-    SceneError
-        If a file cannot be read, or if the user sets other sizes than the file says.
+    make: takes a dict of keys of [surface], without path or bodies, and returns a scene.File.
+    Raises SceneError if a file cannot be read, or if the user sets other sizes than the file says.
     """
     spec = make(user_keys)
     if spec.bodies:
@@ -141,10 +127,7 @@ def _not_on_reading(topography: Topography) -> list[str]:
 
 
 def _direction(topography: Topography) -> str:
-    """Return a phrase on the direction of x in the file.
-
-    It includes how to change it if the file itself does not say which direction is x.
-    """
+    """Return a phrase on the direction of x, and how to set it if the file does not."""
     metadata = topography.metadata
     turned = [axis for axis, falls in zip("xy", metadata.falling) if falls]
     text = metadata.direction
@@ -158,10 +141,11 @@ def _direction(topography: Topography) -> str:
 def _require_agreement(
     sizes: tuple[float, ...], unit: str | None, topography: Topography, user_keys: dict
 ) -> None:
-    """Raise SceneError if the user sets other sizes than the file says, by more than 0.1 %.
+    """Raise SceneError if the user sets other sizes than the file says (`sizes`, `unit`), by more
+    than 0.1 %.
 
-    sizes, unit: those in the file. topography: opened with the keys of the user, so that its sizes
-    are those that the user sets. They are not compared if only one of them has a unit.
+    topography: opened with the keys of the user. They are not compared if only one of them has a
+    unit.
     """
     wanted = user_keys.get("physical_sizes")
     if wanted is None:
@@ -177,10 +161,10 @@ def _require_agreement(
 
 
 def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> None:
-    """Add to result, as a comment, the downsampling that removes waves made by the instrument.
+    """Add to result, as a comment, the downsampling that removes waves made by the instrument, if
+    known.
 
-    It is the smallest factor that divides the points and keeps no shorter wave. Adds nothing if
-    SurfaceTopography cannot read the file or does not know the shortest reliable wave.
+    It is the smallest factor that divides the points and keeps no shorter wave.
     """
     with suppress(Exception):  # of a file that SurfaceTopography does not read
         contents = contents_of(Path(str(spec.path)))
@@ -211,13 +195,10 @@ def _by_heights(
 ) -> None:
     """Read and prepare the map, and add to result the keys and lines that its heights suggest.
 
-    result: changed are its values, why and about. make, user_keys: as for `suggestion`.
-    metadata: what the file says of sizes and boundary.
-
     Keys that the user has not set may be added: fill if heights are missing, detrend if they are
     mostly tilt, and boundary = "mirror" if opposite edges do not meet, the file does not say that
-    the map is periodic, and the user has set no window. Lines: missing points, tilt, edges,
-    outliers, what was done, rms values and notes. Raises SceneError if the map cannot be prepared.
+    the map is periodic, and the user has set no window. metadata: what the file says of sizes and
+    boundary.
     """
     values = result.values
     why = result.why

@@ -16,23 +16,7 @@ POINTS = 512  # along an axis of the scene
 def spectrum_suggestion(path: str, folder: Path, user_keys: dict[str, Any]) -> Suggestion:
     """Read a table and suggest keys of [surface] for it: a cell as long as its longest wave.
 
-    Parameters
-    ----------
-    path : str
-        Of the table.
-    folder : Path
-        Of the scene, from which the path in the scene counts.
-    user_keys : dict
-        Keys that the user has set.
-
-    Returns
-    -------
-    Suggestion
-
-    Raises
-    ------
-    SceneError
-        If it cannot be read.
+    folder: of the scene, from which the path in the scene counts.
     """
     q, C, dimension, unit = read_spectrum_table(
         path, user_keys.get("unit"), user_keys.get("dimension")

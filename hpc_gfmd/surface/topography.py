@@ -1,7 +1,4 @@
-"""Heights with their sizes, whatever file they come from.
-
-What the scene says has priority over what the file says.
-"""
+"""Heights with their sizes from any file; what the scene says has priority."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -30,57 +27,41 @@ SIZES = 1e-9, 1.0  # m: no instrument measures less, or more
 
 @dataclass(frozen=True)
 class Topography:
-    """Heights that can be read by rows, with their sizes and units.
-
-    Attributes
-    ----------
-    n : (int, int)
-        Points along x and y.
-    sizes : (float, float)
-        (L_x, L_y), in m if `unit` is "m".
-    rows : function
-        rows(start, stop) reads heights: float64, shape (stop - start, n_y), nan where one is
-        missing. Peaks are up; x and y rise.
-    unit : str
-        "m", or "" if sizes and heights have no unit.
-    periodic : bool, optional
-        True if the file says so; None if it is not known.
-    path : object
-        Path of the file, for messages.
-    filled : int
-        Number of points that had no height and were filled.
-    plain : float
-        Factor that takes a length without a unit in the scene to the unit of `sizes`.
-    plain_unit : str
-        Unit of such lengths, "" if it is not known.
-    origin : (float, float)
-        Position of the first point, in the unit of `sizes`; only used to place two scans.
-    bodies : tuple of Topography
-        The two scans of which it is the sum, see `combined`; empty for a single map.
-    metadata : Metadata
-        What the file says.
-    by_rows : bool
-        Whether `rows` reads from the file no more than these rows.
-    prepared : tuple of str
-        What was done to the heights, a line each.
-    notes : tuple of SurfaceWarning
-        Remarks on the heights for the user; a ReadingWarning says how they were read.
-    """
+    """Heights that can be read by rows, with their sizes and units."""
 
     n: tuple[int, ...]
-    sizes: tuple[float, ...]
+    # (L_x, L_y), in m if `unit` is "m"
+    sizes: tuple[float, ...]  # (L_x, L_y), in m if `unit` is "m"
+    # rows(start, stop) reads heights: float64, (stop - start, n_y), nan where one is missing. Peaks
+    # are up; x and y rise.
+    # rows(start, stop) reads heights: float64, (stop - start, n_y), nan where one is missing. Peaks
+    # are up; x and y rise.
     rows: Rows
-    unit: str = ""
-    periodic: bool | None = None
-    path: object = None
-    filled: int = 0
-    plain: float = 1.0
-    plain_unit: str = ""
+    # "m", or "" if sizes and heights have no unit
+    unit: str = ""  # "m", or "" if sizes and heights have no unit
+    # True if the file says so; None if it is not known
+    periodic: bool | None = None  # True if the file says so; None if it is not known
+    # of the file, for messages
+    path: object = None  # of the file, for messages
+    # number of points that had no height and were filled
+    filled: int = 0  # number of points that had no height and were filled
+    # takes a length without a unit in the scene to the unit of `sizes`
+    plain: float = 1.0  # takes a length without a unit in the scene to the unit of `sizes`
+    # unit of such lengths, "" if it is not known
+    plain_unit: str = ""  # unit of such lengths, "" if it is not known
+    # Position of the first point, in the unit of `sizes`; only used to place two scans.
+    # Position of the first point, in the unit of `sizes`; only used to place two scans.
     origin: tuple[float, float] = (0.0, 0.0)
-    bodies: "tuple[Topography, ...]" = ()
-    metadata: Metadata = field(default_factory=Metadata)
-    by_rows: bool = False
-    prepared: tuple[str, ...] = ()
+    # the two scans of which it is the sum, see `combined`
+    bodies: "tuple[Topography, ...]" = ()  # the two scans of which it is the sum, see `combined`
+    # what the file says
+    metadata: Metadata = field(default_factory=Metadata)  # what the file says
+    # whether `rows` reads from the file no more than these rows
+    by_rows: bool = False  # whether `rows` reads from the file no more than these rows
+    # what was done to the heights, a line each
+    prepared: tuple[str, ...] = ()  # what was done to the heights, a line each
+    # remarks for the user; a ReadingWarning says how the heights were read
+    # remarks for the user; a ReadingWarning says how the heights were read
     notes: tuple[SurfaceWarning, ...] = ()
 
     def heights(self) -> np.ndarray:
@@ -92,34 +73,14 @@ class Topography:
         return self.after(step, n=z.shape, rows=lambda start, stop: z[start:stop], **changes)
 
     def after(self, step: str, **changes: Any) -> Self:
-        """Return a copy after a step of preparation.
-
-        Parameters
-        ----------
-        step : str
-            Line on what was done to the heights, appended to `prepared`.
-        **changes
-            Fields to replace.
-
-        Returns
-        -------
-        Topography
-        """
+        """Return a copy with changes by a step of preparation, a line for `prepared`."""
         return replace(self, prepared=(*self.prepared, step), **changes)
 
     def on_form(self, radii: tuple[float, ...]) -> Self:
-        """Return a copy with the heights of a paraboloid added.
+        """Return a copy with the heights of a paraboloid added, z = -x^2/(2 R_x) - y^2/(2 R_y)
+        about the point (n_x // 2, n_y // 2).
 
-        Parameters
-        ----------
-        radii : (R_x, R_y)
-            Radii of z = -x^2/(2 R_x) - y^2/(2 R_y) about the point (n_x // 2, n_y // 2), in the
-            unit of `sizes`; inf means straight.
-
-        Returns
-        -------
-        Topography
-            self if both radii are infinite.
+        radii: in the unit of `sizes`; inf means straight.
         """
         R = min(radii)
         if R == inf:
@@ -135,23 +96,7 @@ class Topography:
         return replace(self, rows=rows)
 
     def length(self, key: str, value: float) -> float:
-        """Convert a length of the scene to the unit of `sizes`.
-
-        Parameters
-        ----------
-        key : str
-            Its key in [surface], for the message.
-        value : float or Quantity
-
-        Returns
-        -------
-        float
-
-        Raises
-        ------
-        SceneError
-            If the length has a unit and the map has none.
-        """
+        """Convert a length of the scene to the unit of `sizes`; SceneError if only it has one."""
         if isinstance(value, Quantity) and not self.unit:
             raise SceneError(
                 f"surface.{key}: found {value.text}, allowed: a plain number, as the sizes are, or"
@@ -163,19 +108,8 @@ class Topography:
 def open_topography(spec: Any) -> Topography:
     """Open the height map of a scene, or the sum of two; heights are read later, by `rows`.
 
-    Parameters
-    ----------
-    spec : scene.File
-
-    Returns
-    -------
-    Topography
-
-    Raises
-    ------
-    SceneError
-        If a file cannot be read, if scene and file contradict each other or lack sizes or units, or
-        if two maps do not fit together.
+    Raises SceneError if a file cannot be read, if scene and file contradict each other or lack
+    sizes or units, or if two maps do not fit together.
     """
     if spec.bodies:
         scans = [topography_of(*open_map(one), one) for one in specs_of_bodies(spec)]
@@ -197,23 +131,8 @@ def specs_of_bodies(spec: Any) -> list[Any]:
 def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
     """Make the Topography of a height map, with what a scene says of it; heights are read later.
 
-    Parameters
-    ----------
-    data : array or arrays_in_files.FileArray
-        Two axes; masked points have no height.
-    metadata : Metadata
-        What the file says.
-    spec : scene.File
-
-    Returns
-    -------
-    Topography
-        Its `rows` raise SceneError if reading fails or heights are too large.
-
-    Raises
-    ------
-    SceneError
-        If scene and file contradict each other or lack sizes or units, or sizes are not positive.
+    Raises SceneError if scene and file contradict each other or lack sizes or units, or sizes are
+    not positive; its `rows` if reading fails or heights are too large.
     """
     path = Path(spec.path)
     metadata = _with_first_axis(metadata, spec)
@@ -252,10 +171,10 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
 
 
 def _sum(lower: Topography, upper: Topography) -> Topography:
-    """Return the sum of two maps of the same points, whose rows are read when they are wanted.
+    """Return the sum of two maps of the same points, with the metadata of `lower` and the notes of
+    both.
 
-    Metadata are those of `lower`, notes those of both. Raises SceneError if the two maps differ in
-    numbers of points, lengths or unit.
+    Raises SceneError if they differ in numbers of points, lengths or unit.
     """
     if (
         lower.n != upper.n
@@ -281,10 +200,8 @@ def _sum(lower: Topography, upper: Topography) -> Topography:
 
 
 def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
-    """Return metadata with the direction of x that the scene's first_axis gives, if it is given.
-
-    Sizes and directions of the axes are exchanged if the file takes the other axis for x. spec: a
-    scene.File.
+    """Return metadata with the direction of x that the scene's first_axis gives, if it is given:
+    sizes and directions of the axes are exchanged if the file takes the other axis for x.
     """
     if spec.first_axis is None:
         return metadata
@@ -306,8 +223,7 @@ def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
 def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> np.ndarray:
     """Read rows start <= i < stop of heights: float64, x and y rising, nan where missing.
 
-    data: array as in the file, in whose unit the heights stay. metadata: that of the file, with
-    what the scene says of the axes. n_x: number of points along x.
+    metadata: that of the file, with what the scene says of the axes.
     """
     begin, end = (n_x - stop, n_x - start) if metadata.falling[0] else (start, stop)
     z = data[:, begin:end].T if metadata.transposed else data[begin:end, :]
@@ -327,7 +243,7 @@ def _notes_on_reading(
     """Yield notes for the user on how a file was read.
 
     They are remarks of the reader, the choice among several channels, and the direction of x if the
-    file does not give it and the map is not square. n: points along x and y.
+    file does not give it and the map is not square.
     """
     for remark in metadata.remarks:
         yield ReadingWarning(f"{spec.path}: {remark}")
@@ -343,10 +259,7 @@ def _notes_on_reading(
 
 
 def _notes_on_sizes(n: tuple[int, ...], units: MapUnits) -> Iterator[SurfaceWarning]:
-    """Yield notes on sizes that seem to be exchanged or in a wrong unit.
-
-    n: points along x and y.
-    """
+    """Yield notes on sizes that seem to be exchanged or in a wrong unit."""
     spacings = [size / k for size, k in zip(units.sizes, n)]
     exchanged = [size / k for size, k in zip(units.sizes[::-1], n)]
     is_oblong = abs(np.log(spacings[0] / spacings[1])) > OBLONG

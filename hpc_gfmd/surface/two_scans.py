@@ -1,8 +1,8 @@
 """Two scans on one grid: the points of the finer scan in the window that both cover.
 
-Heights of the coarser scan are interpolated. Along each axis it is a cubic spline through its
-points, natural where the scan ends. Halfway between the points it misses a wave of 8 points by 0.2
-% of its amplitude, one of 4 points by 3 % and one of 3 points by 12.5 %.
+Heights of the coarser scan are interpolated by cubic splines, natural where the scan ends. Halfway
+between the points they miss a wave of 8 points by 0.2 % of its amplitude, one of 4 points by 3 %
+and one of 3 points by 12.5 %.
 """
 
 from dataclasses import dataclass, replace
@@ -23,27 +23,13 @@ ALIKE = 1e-6  # relative difference of lengths that are the same
 
 @dataclass(frozen=True)
 class Axis:
-    """Positions of the points of a grid along an axis of a scan.
+    """Positions of the points of a grid along an axis of a scan."""
 
-    Attributes
-    ----------
-    begin : float
-        Position of the grid's first point, in points of the scan.
-    step : float
-        Distance of the grid's points, in points of the scan.
-    count : int
-        Number of points of the grid.
-    n : int
-        Number of points of the scan.
-    wraps : bool
-        Whether the scan is periodic along this axis.
-    """
-
-    begin: float
-    step: float
-    count: int
-    n: int
-    wraps: bool
+    begin: float  # position of the grid's first point, in points of the scan
+    step: float  # distance of the grid's points, in points of the scan
+    count: int  # number of points of the grid
+    n: int  # number of points of the scan
+    wraps: bool  # whether the scan is periodic along this axis
 
     @property
     def places(self) -> np.ndarray:
@@ -71,25 +57,11 @@ class Axis:
 
 
 def placed(scans: tuple[Any, Any], spec: Any) -> tuple[Any, Any]:
-    """Flip, mirror and shift two scans as a scene asks for; no height is read.
+    """Return copies of two scans, flipped, mirrored and shifted (`origin`) as a scene asks for; no
+    height is read.
 
-    Parameters
-    ----------
-    scans : (Topography, Topography)
-        Not changed.
-    spec : scene.File
-        With `bodies`. Unless they say otherwise the second scan is mirrored along x, since it faces
-        the first one.
-
-    Returns
-    -------
-    (Topography, Topography)
-        Copies, with their shift as `origin`.
-
-    Raises
-    ------
-    SceneError
-        If a shift has a unit and the map has none.
+    Unless spec.bodies says otherwise the second scan is mirrored along x, since it faces the first
+    one. Raises SceneError if a shift has a unit and the map has none.
     """
     places = []
     for k, (scan, body) in enumerate(zip(scans, spec.bodies)):
@@ -110,10 +82,7 @@ def _turned_over(scan: Any) -> Rows:
 
 
 def _mirrored(scan: Any, axis: str) -> Rows:
-    """Return a function that reads the rows of a scan mirrored about its middle.
-
-    axis: "x" or "y", along which the points change their order.
-    """
+    """Return a function that reads the rows of a scan mirrored along "x" or "y"."""
     n = scan.n[0]
     if axis == "y":
         return lambda start, stop: scan.rows(start, stop)[:, ::-1]
@@ -121,25 +90,11 @@ def _mirrored(scan: Any, axis: str) -> Rows:
 
 
 def combined(scans: tuple[Any, Any], spec: Any) -> Any:
-    """Add two scans on a common grid; no height is read.
+    """Add two scans, each at its `origin`, on a common grid; no height is read.
 
-    Parameters
-    ----------
-    scans : (Topography, Topography)
-        Each at its `origin`.
-    spec : scene.File
-        Along an axis that is periodic, by its boundary or else by both files, scans of equal length
-        are added over their whole period, otherwise where they overlap.
-
-    Returns
-    -------
-    Topography
-        The sum, with the scans as its `bodies`.
-
-    Raises
-    ------
-    SceneError
-        If the scans do not overlap, or only one has a unit.
+    Along an axis that is periodic, by the scene's boundary or else by both files, scans of equal
+    length are added over their whole period, otherwise where they overlap. Raises SceneError if
+    they do not overlap, or only one has a unit.
     """
     lower, upper = scans
     if lower.unit != upper.unit:
@@ -179,24 +134,7 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
 
 
 def interpolated(scans: tuple[Any, Any], spec: Any) -> list[Any]:
-    """Return those of two scans that `combined` has to interpolate; the others lie on the grid.
-
-    Parameters
-    ----------
-    scans : (Topography, Topography)
-        Each at its `origin`, with sizes and units.
-    spec : scene.File
-        As for `combined`.
-
-    Returns
-    -------
-    list of Topography
-
-    Raises
-    ------
-    SceneError
-        If the scans do not overlap.
-    """
+    """Return those of two scans that `combined` has to interpolate; the others lie on the grid."""
     x, y = _common_axes(scans, spec)
     return [
         scan
@@ -211,27 +149,12 @@ def name_of(scan: Any) -> str:
 
 
 def spacings_text(scan: Any, factor: float = 1.0) -> str:
-    """Write the distances between the points of a scan along x and y.
-
-    Parameters
-    ----------
-    scan : Topography
-    factor : float
-        The distances are multiplied by it.
-
-    Returns
-    -------
-    str
-        Such as "2 um x 2 um".
-    """
+    """Write the distances between the points of a scan, times a factor: "2 um x 2 um"."""
     return lengths_text([factor * a for a in _spacings(scan)], bool(scan.unit))
 
 
 def _common_axes(scans: tuple[Any, Any], spec: Any) -> tuple[tuple[Axis, Axis], ...]:
-    """Return two pairs of Axis, for x and for y: the common grid on the first and the second scan.
-
-    spec: as for `combined`. Raises SceneError if the scans do not overlap.
-    """
+    """Return the common grid on both scans, for x and for y, or raise SceneError."""
     repeats: tuple[bool, ...] = (bool(scans[0].periodic and scans[1].periodic),) * 2
     if spec.boundary is not None:
         repeats = tuple(not ends for ends in spec.free)
@@ -244,11 +167,12 @@ def _spacings(scan: Any) -> tuple[float, ...]:
 
 
 def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis, Axis]:
-    """Return how the common grid lies along axis 0 or 1 of the first and of the second scan.
+    """Return how the common grid lies along axis 0 or 1 of the first and of the second scan, or
+    raise SceneError.
 
     The grid has the points of the finer scan, the first one if both are equal. repeats: whether the
     surface is periodic along the axis; only scans of equal length are then added over a whole
-    period. Raises SceneError if they do not overlap.
+    period.
     """
     n = [scan.n[axis] for scan in scans]
     sizes = [scan.sizes[axis] for scan in scans]
