@@ -27,8 +27,9 @@ KICK_LENGTHS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
 
 
 def goes_on(branch: str, p0: float, p0_before: float) -> bool:
-    """Return whether a load may start from the solution of the load before on a branch: on
-    retraction if the load does not rise, on approach if it does not fall and the one before was
+    """Return whether a load may start from the solution of the load before on a branch.
+
+    On retraction if the load does not rise, on approach if it does not fall and the one before was
     above 0, in a cycle always.
     """
     if branch == CYCLE:
@@ -41,22 +42,8 @@ def goes_on(branch: str, p0: float, p0_before: float) -> bool:
 class SaddleGuard:
     """Computes the stability of a solver's state, and kicks the solver away from saddles.
 
-    Parameters
-    ----------
-    solver : Solver
-        A solver of a contact with attraction; the guard changes its state.
-    branch : str
-        "approach" or "retraction": the direction in which a kick is tried first.
-
-    Attributes
-    ----------
-    kicks : int
-        Number of kicks so far.
-    at_saddle : bool
-        Whether the last `look` found no equilibrium near the state: it is a saddle, or the surfaces
-        are about to jump.
-    stability : float
-        The stability that the last `look` computed; nan before the first.
+    branch: the direction in which a kick is tried first. `kicks` counts them; `at_saddle`: whether
+    the last `look` found no equilibrium near the state; `stability`: what it computed, nan before.
     """
 
     def __init__(self, solver: Solver, branch: str):
@@ -68,16 +55,12 @@ class SaddleGuard:
         self.stability = np.nan
 
     def look(self, measure: float = np.inf) -> float:
-        """Compute the stability of the present state, and return the FFT pairs that this took.
+        """Compute the stability of the present state; return the FFT pairs that this took.
 
-        Sets `solver.stability` and `at_saddle`, and prepares the solver's next step. Collective.
-
-        Parameters
-        ----------
-        measure : float
-            The estimated error of the solver over the requested one, without the stability. The
-            stability is computed only until it is clear whether it exceeds this number. Infinite:
-            as accurately as possible. 0: if no errors are requested.
+        Sets `solver.stability` and `at_saddle`, and prepares the solver's next step. The stability
+        is computed only until it is clear whether it exceeds `measure`, the estimated error over
+        the requested one without the stability (infinite: as accurately as possible; 0: no errors
+        are requested). Collective.
         """
         solver = self.solver
         solver.stability = None
@@ -101,12 +84,11 @@ class SaddleGuard:
         return stability.pairs
 
     def leave_saddle(self) -> bool:
-        """Kick the solver away from a saddle, along the mode in which the energy falls.
+        """Kick the solver away from a saddle, along the mode in which the energy falls. Collective.
 
         The kick changes the gap, and with a spring p0, and starts the solver there (one FFT pair).
         `look` must have been called at this state. Returns False, and changes nothing, if the
-        stability that it computed is above 0, if no kick lowers the energy, or after twelve kicks.
-        Collective.
+        stability is above 0, if no kick lowers the energy, or after twelve kicks.
         """
         solver, mode = self.solver, self._mode
         if self.kicks >= KICKS or mode is None or self.stability > 0:
@@ -134,10 +116,10 @@ class SaddleGuard:
         return True
 
     def _length_of_kick(self, mode: np.ndarray) -> float:
-        """Return the step along the mode e, <e, K e> = 1, that lowers the energy most.
+        """Return the step along the mode e, <e, K e> = 1, that lowers the energy most, or 0.
 
         Above 0 the gap opens: retraction tries that sign first, approach the other one. The second
-        sign is only tried if the first does not lower the energy; 0 if neither does. Collective.
+        sign is only tried if the first does not lower the energy. Collective.
         """
         work, largest = self._work_along(mode)
         law = self.solver.problem.attraction
@@ -178,10 +160,7 @@ class SaddleGuard:
         return float(total), float(most)
 
     def _gain_along(self, mode: np.ndarray, length: float) -> float:
-        """Return the change of the energy of attraction by a step of `length` along a mode.
-
-        Changes nothing. Collective.
-        """
+        """Return the change of the energy of attraction by a step along a mode. Collective."""
         solver, law = self.solver, self.solver.problem.law()
         step, inside = solver.problem.dtype.type(length), solver.grid.inside
 

@@ -16,34 +16,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ContactModel:
-    """The elastic body, its material, and how branches are followed; immutable.
+    """The elastic body, its material, and how branches are followed."""
 
-    Attributes
-    ----------
-    E_star : float
-        Effective modulus; all pressures of a scene are in its unit.
-    body : Body
-        The elastic body, see bodies/.
-    hardness : float or None
-        The largest pressure, in the unit of E_star; None for an elastic solid.
-    attraction : Law or None
-        Law of attraction, in the unit of E_star and that of the surface's lengths; None without
-        attraction.
-    branch : str
-        Which equilibrium is sought with an attraction: "approach", "retraction" or "cycle", see
-        branches.py.
-    unique : bool
-        Whether each load is also solved on the other branch, to compare the two.
-    lam_s : float or None
-        Shortest wavelength of the surface, in its unit of length; None if unknown.
-    """
-
-    E_star: float = 1.0
+    # effective modulus; all pressures of a scene are in its unit
+    E_star: float = 1.0  # effective modulus; all pressures of a scene are in its unit
     body: Body = HALF_SPACE
+    # the largest pressure, in the unit of E_star; None for an elastic solid
+    # the largest pressure, in the unit of E_star; None for an elastic solid
     hardness: float | None = None
-    attraction: Law | None = None
-    branch: str = APPROACH
-    unique: bool = False
+    # in the unit of E_star and that of the surface's lengths
+    attraction: Law | None = None  # in the unit of E_star and that of the surface's lengths
+    # which equilibrium is sought with an attraction (branches.py)
+    branch: str = APPROACH  # which equilibrium is sought with an attraction (branches.py)
+    # each load is also solved on the other branch
+    unique: bool = False  # each load is also solved on the other branch
+    # shortest wavelength of the surface, in its unit of length; None if unknown
+    # shortest wavelength of the surface, in its unit of length; None if unknown
     lam_s: float | None = None
 
     @property

@@ -25,31 +25,12 @@ LENGTHS = 100.0  # rounding error of a gap or an approach, over that of the larg
 def loads_of(
     table: LoadTable, working: WorkingSurface, settings: SolverTable, solver: type[Solver]
 ) -> list[Load]:
-    """Return the loads that a scene prescribes, in their order; refuse impossible ones.
+    """Return the loads that a scene prescribes, in order, without searches; refuse impossible ones.
 
-    A mean gap of 0 becomes an area of 1. Collective.
-
-    Parameters
-    ----------
-    table : scene.LoadTable
-        The table [load].
-    working : WorkingSurface
-        The surface in the first precision.
-    settings : scene.SolverTable
-        The table [solver].
-    solver : type of Solver
-        Class of the solver.
-
-    Returns
-    -------
-    list of Load
-        The loads for `Sweep.solve`, without searches.
-
-    Raises
-    ------
-    SceneError
-        If a flat surface does not have the quantity, the precision is too low for a value, no
-        pressure gives it, or the solver cannot solve contacts with this hardness or attraction.
+    A mean gap of 0 becomes an area of 1. working: the surface in the first precision. Raises
+    SceneError if a flat surface does not have the quantity, the precision is too low for a value,
+    no pressure gives it, or the solver cannot solve contacts with this hardness or attraction.
+    Collective.
     """
     name, values = table.prescribed
     surface = working.surface
@@ -85,10 +66,7 @@ def loads_of(
 
 
 def _require_single(pressures: Sequence[float], unit: float, points: int) -> None:
-    """Raise SceneError for a pressure that single precision cannot solve.
-
-    unit: E* g_rms, which the pressures are compared with; points: of the surface.
-    """
+    """Raise SceneError for a pressure that single precision cannot solve; unit: E* g_rms."""
     for p_mean in pressures:
         if p_mean > 0 and not single_solves(p_mean / unit, points):
             raise SceneError(
@@ -120,8 +98,7 @@ def _require_lengths(
 ) -> None:
     """Raise SceneError for a mean gap that no pressure gives, or a length that rounding spoils.
 
-    name: key of the scene, for messages; quantity: "gap_mean" or "approach"; unit: that of the
-    values, in the surface's unit of length. Collective.
+    name: key of the scene; unit: that of the values, in the surface's unit of length. Collective.
     """
     stays = settings.precision == "single" or settings.low_memory
     rounding = float(np.finfo(working.dtype if stays else np.float64).eps)
@@ -150,26 +127,10 @@ def require_dents(
     values: Sequence[float],
     pressures: Sequence[float],
 ) -> None:
-    """Check that loads are possible with a hardness, and that the solver supports one.
+    """Raise SceneError if the solver does not support a hardness, a mean pressure reaches it, or
+    full contact (an area of 1, a value of 0) is prescribed.
 
-    Parameters
-    ----------
-    solver : type of Solver
-        Class of the solver.
-    hardness : float
-        The largest pressure, in the unit of E_star.
-    name : str
-        Key of the scene's [load] that prescribes the loads.
-    values : sequence of float
-        Its values.
-    pressures : sequence of float
-        The mean pressures of the loads, in the unit of E_star; empty if they are unknown.
-
-    Raises
-    ------
-    SceneError
-        If the solver does not support a hardness, a mean pressure reaches it, or full contact (an
-        area of 1, a value of 0) is prescribed.
+    pressures: of the loads, in the unit of E_star; empty if they are unknown.
     """
     if not solver.dents:
         raise SceneError(

@@ -53,8 +53,8 @@ class Start(NamedTuple):
     """A solver that is ready to iterate at a load: its criterion, the FFT pairs of the start that
     the solver does not count, and the contacts on coarser grids (none with an attraction).
 
-    certificate: that of the starting gap if this may be the solution; the solver has to begin at
-    it.
+    certificate: that of the starting gap, at which the solver has to begin, if this may be the
+    solution.
     """
 
     solver: Solver
@@ -78,8 +78,7 @@ class Candidate(NamedTuple):
 class Starter:
     """Makes the solver of a sweep, starts it at each load, and keeps it from load to load.
 
-    settings: the table [solver] of a scene. `solver` is at the solution of the load before, None
-    before the first load and after `forget`.
+    `solver` is at the solution of the load before, None before the first load and after `forget`.
     """
 
     def __init__(self, settings: SolverTable, duality: bool = False):
@@ -114,13 +113,12 @@ class Starter:
         gap: np.ndarray | None = None,
         in_box: bool = True,
     ) -> Start:
-        """Start the solver at a load, and make the solver if there is none.
+        """Start the solver at a load, and make the solver if there is none. Collective.
 
         The solution of the load before is taken as it is (see `follows`), else the first of `_gaps`
         that has not far too much energy. `gap`, a local slab, is copied; in_box: whether a light
         contact may be solved in a box. The load's target changes: coarser grids already use it.
-        Collective; raises Stopped on all ranks if a signal asks the run to stop while coarser grids
-        are solved.
+        Raises Stopped on all ranks.
         """
         if gap is None and self._kept is None and self.follows(working, load):
             return self._continue(working, load)
@@ -202,9 +200,9 @@ class Starter:
         """Return whether a load starts from the solution of the load before, or goes on in double
         precision.
 
-        It does if the two are close; on retraction always, if the load does not rise. It does not
-        without a solver, nor if it seeks the smallest load that closes the gap. The load's mean
-        pressure, or a first guess, must be known.
+        It does if the two are close; on retraction always if the load does not rise, in a cycle
+        always. It does not without a solver, nor if it seeks the smallest load that closes the gap.
+        The load's mean pressure, or a first guess, must be known.
         """
         if self._kept is not None:
             return True
@@ -304,11 +302,11 @@ class Starter:
     # -- their steps
 
     def _without_attraction(self, problem: Problem, gap: np.ndarray) -> tuple[np.ndarray, float]:
-        """Solve the contact without attraction roughly, on a grid without a coarser one.
+        """Solve the contact without attraction roughly, by a solver of its own from `gap`, where
+        there is no coarser grid.
 
-        `problem` has no attraction. A solver of its own starts from `gap`; neither `gap` nor
-        `self.solver` is changed. Returns the new gap, in new memory, and the FFT pairs that it
-        took. Raises Stopped on all ranks if a signal asks the run to stop. Collective.
+        Returns the new gap, in new memory, and the FFT pairs that it took. Raises Stopped on all
+        ranks. Collective.
         """
         solver = roughly_solved(problem, self._make, gap, WITHOUT_ATTRACTION, Target(problem.p0))
         return solver.g, solver.pairs
@@ -328,9 +326,9 @@ class Starter:
     ) -> tuple[Solver, StoppingCriterion]:
         """Return the solver with its counts at 0 and its p0 at the load, and its criterion.
 
-        Makes the solver if there is none, with `gap` as its array; an existing one keeps its own.
-        Either way the caller has to start it at the gap (`_lay_down`). The target begins on the
-        finest grid. In low memory the heights are freed.
+        Makes the solver if there is none, with `gap` as its array. Either way the caller has to
+        start it at the gap (`_lay_down`). The target begins on the finest grid. In low memory the
+        heights are freed.
         """
         p0 = load.target.begin()
         problem = working.problem_to_iterate(replace(problem, p0=p0))

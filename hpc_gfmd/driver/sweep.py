@@ -59,30 +59,11 @@ def make_sweep(
     branch: str = "approach",
     unique: bool = False,
 ) -> Sweep:
-    """Make the surface, and compose the sweep that solves loads on it.
+    """Make the surface by make_surface(dtype), and compose the sweep that solves loads on it.
 
-    Collective.
-
-    Parameters
-    ----------
-    make_surface : callable
-        Makes the surface.Surface in a precision: ``make_surface(dtype)``.
-    settings : scene.SolverTable
-        The table [solver] of a scene.
-    E_star, body, hardness, lam_s, attraction, branch, unique
-        See `ContactModel`.
-    duality : bool
-        Whether certificates compute the duality gap.
-
-    Returns
-    -------
-    Sweep
-        At its first load, with the surface in the first precision.
-
-    Raises
-    ------
-    SceneError
-        If low memory is requested with a solver or a surface that does not support it.
+    settings: the table [solver] of a scene; duality: whether certificates compute the duality gap;
+    the rest as of `ContactModel`. Raises SceneError if low memory is requested with a solver or a
+    surface that does not support it. Collective.
     """
     model = ContactModel(float(E_star), body, hardness, attraction, branch, unique, lam_s)
     return sweep_with(make_surface, settings, model, duality)
@@ -105,20 +86,8 @@ def sweep_with(
 class Sweep:
     """Solves loads on one surface, one after another; each may start from the one before.
 
-    Parameters
-    ----------
-    surface_in : callable
-        Makes the WorkingSurface in a precision: ``surface_in(dtype)``. It is called at once, and
-        again if a load needs double precision. Collective.
-    starter : Starter
-        Starts the solver at each load.
-
-    Attributes
-    ----------
-    working : WorkingSurface
-        The surface in the present precision.
-    coarser : sequence of CoarseContact
-        The contacts of the last load on coarser grids; empty if it started elsewhere.
+    surface_in(dtype) makes the WorkingSurface: at once, and again if a load needs double precision.
+    `coarser` are the contacts of the last load on coarser grids; empty if it started elsewhere.
     """
 
     def __init__(self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter):
@@ -144,11 +113,7 @@ class Sweep:
         return self.working.dtype
 
     def loads(self, table: LoadTable) -> list[Load]:
-        """Return the loads of the table [load] of a scene, to be solved in this order.
-
-        Nothing is solved, and no load has a search yet. Collective. Raises SceneError for loads
-        that this surface cannot have, see `loads_of`.
-        """
+        """Return the loads of a scene's [load], without searches, as `loads_of`. Collective."""
         loads = loads_of(table, self.working, self.settings, self.starter.solver_class)
         if self.working.model.branch != CYCLE:
             return loads
@@ -158,35 +123,14 @@ class Sweep:
     def solve(
         self, load: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
     ) -> Contact:
-        """Solve one load, in single precision first if that may be enough.
+        """Solve one load, in single precision first if that may be enough. Collective.
 
-        Collective. Changes the sweep: the solver stays at the solution, from which the next load
-        may start, and the surface may be made again in double precision.
-
-        Parameters
-        ----------
-        load : Load
-            A load as `loads` returns it; it is not changed.
-        watch : callable, optional
-            Called before every iteration, ``watch(iterations, progress)``; a true value ends the
-            load with the status "interrupted".
-        unfinished : Unfinished, optional
-            State of this load from an interrupted run; the iterations continue from there.
-
-        Returns
-        -------
-        Contact
-            The solution, or the last state of a load that was not solved: see its status. Its
-            fields are those of the solver, which the next load overwrites.
-
-        Raises
-        ------
-        Stopped
-            On all ranks, if a signal asks the run to stop during a start on coarser grids or during
-            another contact that this load requires.
-        SceneError
-            If the heights of the surface's file have changed since they were read in single
-            precision.
+        The solver stays at the solution, from which the next load may start and whose arrays it
+        overwrites; the surface may be made again in double precision. watch(iterations, progress)
+        is called before every iteration; a true value ends the load with the status "interrupted".
+        unfinished: state of this load from an interrupted run. Raises Stopped on all ranks if a
+        signal asks for it during another contact that this load requires, SceneError if the heights
+        of the surface's file have changed since.
         """
         if self.working.is_flat:
             return flat_contact(self.working, load, self.starter.criterion)
@@ -297,11 +241,10 @@ class Sweep:
         pairs: float,
     ) -> Attempt:
         """Solve a load in the present precision, or as far as it is known to need double precision.
-        Collective; its target changes.
 
         gap: where to start, None if the starter chooses; pairs: FFT pairs that the load has taken
-        before, to which those of the attempt are added. watch, unfinished: see `solve`. Without a
-        contact the starter has the gap from which double precision goes on, if there is one.
+        before. Without a contact the starter has the gap from which double precision goes on, if
+        there is one. Collective.
         """
         load.target.measure(self.working)
         model = self.working.model
@@ -438,10 +381,7 @@ class Sweep:
     # -- what some loads need before their own
 
     def _solve_before(self, load: Load) -> float:
-        """Solve full contact or a flat punch if the target of a load needs it. Collective.
-
-        Returns the FFT pairs that this took.
-        """
+        """Solve full contact or a flat punch if a load needs it; return FFT pairs. Collective."""
         target = load.target
         if isinstance(target, Closing) and self.surface.grid.padded:
             target.unit, pairs = self._flat_solution()
@@ -453,10 +393,8 @@ class Sweep:
         return 0.0
 
     def _flat_solution(self) -> tuple[np.ndarray, float]:
-        """Solve a flat punch for `ClosingSearch.unit`, once per sweep; the solver is dropped.
-
-        Returns its pressure on the surface and displacement beyond, and the FFT pairs (0 if it was
-        solved before). Collective.
+        """Solve a flat punch once per sweep; return its pressure on the surface and displacement
+        beyond, and the FFT pairs. Collective.
         """
         if self._punch is not None:
             return self._punch, 0.0
