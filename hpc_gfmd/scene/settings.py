@@ -245,8 +245,8 @@ class LoadTable(Table):
         example=["0 s", "1 s", "10 s"],
     )
     history: bool = key(
-        "loads follow from each other: with material.hardness dents stay, with material.adhesion"
-        " the branch is that of the direction",
+        "loads follow from each other: with a hardness dents stay, with adhesion the direction"
+        " tells the branch",
         False,
     )
 
