@@ -6,16 +6,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import nan
+from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .memory import Memory
+from .memory import Memory, relaxed
 from .sweep import DOUBLE, Sweep, sweep_with
 from .without_iterations import unloaded_contact
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..contact.contact import Contact
     from ..scene import LoadTable
     from ..surface import Surface
@@ -24,14 +25,30 @@ if TYPE_CHECKING:
     from .load import Load, Unfinished
     from .memory import Element
 
+FINEST = 1e-8  # finest accuracy that is asked of a step for the sake of later ones
+OF_SEARCHED = 0.1  # share of the accuracy where pressures are not known before
+ROUNDED = 1e-9
+
+
+def _shares(loads: Sequence[Load]) -> list[float]:
+    """Return the accuracy that each load needs, over that requested: the wall keeps its absolute
+    errors, which are larger relative ones at a lighter load later."""
+    if not loads[0].is_pressure:
+        return [OF_SEARCHED] * len(loads)
+    shares = []
+    lightest = inf
+    for load in reversed(loads):
+        shares.append(min(1.0, lightest / load.value) if load.value else 1.0)
+        lightest = min(lightest, load.value or inf)
+    return shares[::-1]
+
 
 class History:
     """Solves loads with a memory, in the place of a Sweep that is at its first load on the original
     surface.
 
     Each load starts anew: a start from the load before saves nothing, as the wall has changed.
-    elements: share and time of each that relaxes; `memory`: what the loads so far have left;
-    `errors`: largest of area, mean gap and pressure field so far.
+    elements: share and time of each that relaxes; `memory`: what the loads so far have left.
     """
 
     def __init__(self, sweep: Sweep, elements: Sequence[Element] = (), keeps_dents: bool = False):
@@ -41,7 +58,9 @@ class History:
         self._sweep = sweep  # of the present load
         self._original = sweep.surface  # in the present precision
         self.memory = Memory(self._original.gap.shape, elements, keeps_dents)
-        self.errors = (0.0, 0.0, 0.0)
+        self._errors = (0.0, 0.0)  # largest of area and mean gap so far
+        # times and absolute errors of pressures, each larger than all later ones
+        self._of_pressure: list[tuple[float, float]] = []
         self._time: float | None = None  # of the load before
         self._failed = ""  # the status of the first load that did not converge
 
@@ -61,10 +80,14 @@ class History:
         return self._sweep.coarser
 
     def loads(self, table: LoadTable) -> list[Load]:
-        """Return the loads of the table [load] of a scene and their times, as `Sweep.loads`."""
+        """Return the loads of the table [load] of a scene, as `Sweep.loads`, with times and
+        shares."""
         loads = self._first.loads(table)
         times = table.time or [0.0] * len(loads)
-        return [replace(load, time=float(time)) for load, time in zip(loads, times, strict=True)]
+        return [
+            replace(load, time=float(time), share=share)
+            for load, time, share in zip(loads, times, _shares(loads), strict=True)
+        ]
 
     def solve(
         self, load: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
@@ -72,13 +95,13 @@ class History:
         """Solve a load on what the loads before have left, and remember what it leaves; see
         `Sweep.solve`.
 
-        The contact is that with the original wall and E*; its errors are the largest so far, and
-        once a load has failed its status is that of all later ones. Collective.
+        The contact is that with the original wall and E*; its errors contain those of the loads
+        before, and once a load has failed its status is that of all later ones. Collective.
         """
         dt = 0.0 if self._time is None else load.time - self._time
         shift, factor = self.memory.position.before(dt)
         lowest = self._lowest(dt)
-        self._sweep = self._sweep_on(dt, lowest, factor)
+        self._sweep = self._sweep_on(dt, lowest, factor, load.share)
         load, apart = self._load_on(load, lowest + shift)
         if apart is None:
             contact = self._sweep.solve(load, watch, unfinished)
@@ -95,16 +118,21 @@ class History:
         if contact.status != "nonfinite":
             self.memory.after(dt, contact.g[:rows, :points], surface.gap, -approach)
             self._time = load.time
-        return self._as_original(contact, factor, float(approach))
+        return self._as_original(contact, load, factor, float(approach))
 
     def _lowest(self, dt: float) -> float:
         """Return the smallest initial gap of the changed wall. Collective."""
         h = self._original.gap + self.memory.before(dt)
         return float(self._original.grid.comm.min([h.min(initial=np.inf)])[0])
 
-    def _sweep_on(self, dt: float, lowest: float, factor: float) -> Sweep:
-        """Return the sweep of a load on the changed wall, lowered by `lowest`, with E* x factor."""
+    def _sweep_on(self, dt: float, lowest: float, factor: float, share: float) -> Sweep:
+        """Return the sweep of a load on the changed wall, lowered by `lowest`, with E* x factor, to
+        a share of the requested accuracy."""
         settings = self.settings
+        if settings.accuracy is not None and settings.precision != "single":
+            finest = min(settings.accuracy, FINEST + 2 * self.working.model.body.error)
+            accuracy = max(share * settings.accuracy, finest)
+            settings = settings.model_copy(update={"accuracy": accuracy})
         if self.dtype == DOUBLE and settings.precision == "auto":
             settings = settings.model_copy(update={"precision": "double"})
 
@@ -138,26 +166,41 @@ class History:
             apart = 0.0 if load.value == 0 else -1.0
         return load, apart if apart >= 0 else None
 
-    def _as_original(self, contact: Contact, factor: float, approach: float) -> Contact:
+    def _as_original(self, contact: Contact, load: Load, factor: float, approach: float) -> Contact:
         """Return a contact on the original wall and with the original E*, which are those of its
         units, with the dents and the errors of all loads so far."""
         np.multiply(contact.p, contact.p.dtype.type(factor), out=contact.p)
-        if contact.status == "converged":
-            contact = replace(contact, status=self._failed or "converged")
-        else:
-            self._failed = contact.status
         certificate = contact.certificate
-        worst = np.maximum(self.errors, certificate.errors).tolist()
-        self.errors = (worst[0], worst[1], worst[2])
+        errors = self._with_errors_before(certificate, factor, load.time)
+        accuracy = self.settings.accuracy
+        if contact.status != "converged":
+            self._failed = contact.status
+        elif accuracy is not None and not max(errors) <= accuracy * (1 + ROUNDED):
+            self._failed = self._failed or "stagnated"
+        contact = replace(contact, status=self._failed or contact.status)
         # the energy of a body that relaxes is not that of its displacement
         energy = nan if self.memory.body.elements else certificate.energy
         return replace(
             contact,
             surface=self._original,
             E_star=self.working.model.E_star,
-            certificate=replace(certificate, errors=self.errors, approach=approach, energy=energy),
+            certificate=replace(certificate, errors=errors, approach=approach, energy=energy),
             dents=self.memory.dents,
         )
+
+    def _with_errors_before(
+        self, certificate: Certificate, factor: float, time: float
+    ) -> tuple[float, float, float]:
+        """Return the errors of a load, or those of a load before if they are larger: the wall keeps
+        the absolute error of the pressure, which relaxes. factor: of E* in this step."""
+        area, gap, pressure = certificate.errors
+        self._errors = max(self._errors[0], area), max(self._errors[1], gap)
+        size = factor * certificate.pressures
+        larger = [(t, error) for t, error in self._of_pressure if error > pressure * size]
+        self._of_pressure = [*larger, (time, pressure * size)]
+        elements = self.memory.body.elements
+        largest = max(relaxed(elements, time - t) * error for t, error in self._of_pressure)
+        return *self._errors, largest / size if size else 0.0
 
     # -- the memory of the last load, for a run that goes on later
 
@@ -167,7 +210,9 @@ class History:
         return {
             "time": self._time,
             "position": [position.u, *position.q],
-            "errors": list(self.errors),
+            "errors": [*self._errors],
+            "times_of_errors": [t for t, _ in self._of_pressure],
+            "pressure_errors": [error for _, error in self._of_pressure],
             "failed": self._failed,
         }
 
@@ -175,7 +220,9 @@ class History:
         """Take up the fields of a stored memory, local slabs, and its `numbers`."""
         self.memory.restore(fields, numbers["position"])
         self._time = numbers["time"]
-        self.errors = tuple(numbers["errors"])
+        self._errors = tuple(numbers["errors"])
+        times, errors = numbers["times_of_errors"], numbers["pressure_errors"]
+        self._of_pressure = list(zip(times, errors, strict=True))
         self._failed = numbers["failed"]
 
     @property

@@ -33,6 +33,8 @@ class Load:
         load that the sweep has not prepared yet.
     time : float
         When it is reached; only a body that relaxes (history.py) asks.
+    share : float
+        Accuracy of its contact over that requested; only a history asks.
     parts : bool
         Whether it holds the bodies farther apart than the load before; only a cycle of adhesion
         (branches.py) asks.
@@ -42,6 +44,7 @@ class Load:
     value: float
     target: Target = field(default_factory=lambda: Target(nan))
     time: float = 0.0
+    share: float = 1.0
     parts: bool = False
 
     @property
