@@ -95,6 +95,11 @@ class Scene(Table):
             }
             for dimension in ("length", "pressure", "force")
         )
+        defaults = {
+            f"{name}.{key}"
+            for name, table in parts.items()
+            for key in type(table).model_fields.keys() - table.model_fields_set
+        }
         adhesion = self.material.adhesion
         if adhesion is not None:
             lengths["material.adhesion.range"] = adhesion.range
@@ -104,11 +109,13 @@ class Scene(Table):
         # a file may know units: what is built of it is compared later
         measured = isinstance(self.surface, File)
         if not measured:
-            alike("lengths", lengths)
-        alike("pressures and forces" if self.load.force else "pressures", pressures | forces)
+            alike("lengths", lengths, defaults)
+        alike(
+            "pressures and forces" if self.load.force else "pressures", pressures | forces, defaults
+        )
         if self.load.force and not measured:
             sizes = {"surface.physical_sizes": self.surface.physical_sizes}
-            alike("lengths and forces", sizes | forces)
+            alike("lengths and forces", sizes | forces, defaults)
         if adhesion is not None:
             both = {"range": adhesion.range, "work": adhesion.work}
             alike("of work and range", {f"material.adhesion.{name}": x for name, x in both.items()})

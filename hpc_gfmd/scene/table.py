@@ -1,7 +1,7 @@
 """Common parts of all tables of a scene: strict validation, types of numbers, keys."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cache
 from math import inf
 from typing import Annotated, Any, Literal, Self, TypeVar, get_args
@@ -209,10 +209,10 @@ def has_unit(value: Any) -> bool:
     return any(isinstance(item, Quantity) for item in each(value))
 
 
-def alike(noun: str, quantities: dict[str, Any]) -> None:
+def alike(noun: str, quantities: dict[str, Any], defaults: Collection[str] = ()) -> None:
     """Raise ValueError, with all keys, if some quantities have units and others are plain.
 
-    0 and inf fit to any unit, and None is ignored.
+    0 and inf fit to any unit, and None is ignored. defaults: keys that were not given.
     """
     numbers = [
         (key, number)
@@ -223,7 +223,10 @@ def alike(noun: str, quantities: dict[str, Any]) -> None:
     plain = {key: number for key, number in numbers if not isinstance(number, Quantity)}
     texts = {key: number.text for key, number in numbers if isinstance(number, Quantity)}
     if plain and texts:
-        without_unit = ", ".join(f"{key}: found {number:g}" for key, number in plain.items())
+        without_unit = ", ".join(
+            f"{key}: {'not given, hence' if key in defaults else 'found'} {number:g}"
+            for key, number in plain.items()
+        )
         with_unit = ", ".join(f"{key} = {text!r}" for key, text in texts.items())
         raise ValueError(
             f"{without_unit} beside {with_unit}, allowed: all {noun} with units, or none"

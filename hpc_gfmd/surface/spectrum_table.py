@@ -91,7 +91,7 @@ def _head_and_rows(path: Any) -> tuple[str, np.ndarray]:
     for number, line in enumerate(lines, 1):
         if not line.strip():
             continue
-        cells = [cell.strip() for cell in re.split(r"[,;\t]|\s+", line.strip()) if cell.strip()]
+        cells = _cells(line)
         if len(cells) >= 2 and all(NUMBER.fullmatch(cell) for cell in cells[:2]):
             rows.append(cells[:2])
         elif rows:
@@ -104,6 +104,19 @@ def _head_and_rows(path: Any) -> tuple[str, np.ndarray]:
     if not rows:
         raise SceneError(f"surface.path: found no numbers in {path}, allowed: columns q and C")
     return head, np.array(rows, dtype=float)
+
+
+def _cells(line: str) -> list[str]:
+    """Return the cells of a line of numbers with decimal points.
+
+    Commas within what semicolons, tabs or spaces part are decimal ones.
+    """
+    parts = re.split(r"[;\t]", line) if re.search(r"[;\t]", line.strip()) else line.split()
+    parts = [part.strip(" ,") for part in parts]
+    parts = [part for part in parts if part]
+    if len(parts) == 1:
+        return re.split(r"\s*,\s*", parts[0])
+    return [part.replace(",", ".") for part in parts]
 
 
 def _units(head: str) -> tuple[str, str, int | None]:

@@ -46,7 +46,7 @@ def leak_rate(
     medium theories or Reynolds' equation on the gap (`examples/leak.py`) are better.
     """
     gap = within("critical_gap", critical_gap, 0, np.inf)
-    eta = within("viscosity", viscosity, 0, np.inf, open_low=True)
+    eta = within("viscosity (Pa s)", viscosity, 0, np.inf, open_low=True)
     drop = within("pressure_drop", pressure_drop, 0, np.inf)
     across = within("width", width, 0, np.inf, open_low=True)
     along = within("length", length, 0, np.inf, open_low=True)

@@ -63,8 +63,8 @@ def test_rough(hurst, p_star):
 
 
 def test_a_profile():
-    """In Westergaard's contact each edge is too far out, by 0.2 points on average and by up to 0.3
-    points more or less at random."""
+    """In Westergaard's contact both edges are too far out by the same, 0.2 points on average and
+    0.7 at most: the exact area is within the estimate."""
     relative_errors = []
     for n in (32, 50, 57, 64, 75, 101):
         for load in np.linspace(0.1, 0.9, 9):
@@ -74,8 +74,8 @@ def test_a_profile():
             exact = 2 / np.pi * np.arcsin(np.sqrt(load))
             estimate = a_r(contact) * a_r_discretisation(contact)
             relative_errors.append((a_r(contact) - exact) / estimate)
-    assert np.max(np.abs(relative_errors)) < 1.75  # 0.7 points at both edges
-    assert 0.3 < np.mean(relative_errors) < 0.7
+    assert 0.8 < np.max(np.abs(relative_errors)) <= 1
+    assert 0.15 < np.mean(relative_errors) < 0.4
 
 
 def solve(z, sizes):

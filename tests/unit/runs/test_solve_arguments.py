@@ -60,7 +60,7 @@ comm = 3 | comm: found int, allowed: a communicator
 name = "gfm" | solver.name: found 'gfm', nearest: "gfmd", allowed: auto
 adhesion = 0.1 | hpc_gfmd.solve: material.adhesion: found 0.1, allowed: a table {work, range, law}
 hardness = 0.1 | load.pressure: found a pressure of 0.1, allowed: below material.hardness, 0.1
-hardness = "6 GPa" | load.pressure: found 0.1, material.E_star: found 1 beside material.hardness = '6 GPa', allowed
+hardness = "6 GPa" | load.pressure: found 0.1, material.E_star: not given, hence 1 beside material.hardness = '6 GPa', allowed
 fields = ["plastic"] | output.fields: found "plastic", allowed with material.hardness
 thickness = 1 ; nu = 0.3 ; nu1 = 0.4 | found nu and nu1
 boundary = ["free", "periodic"] ; accuracy = 1e-7 | solver.accuracy: found 1e-07, allowed with a free boundary: above

@@ -111,8 +111,8 @@ surface.radius = 1 | surface: found radius with a periodic boundary, allowed: bo
 surface.kind = "sefl-affine" | nearest: "self-affine",
 xyzzy = 1 | xyzzy: unknown key, allowed: title,
 material.E_star = "50 GPa" ; load.pressure = 0.1 | load.pressure: found 0.1 beside material.E_star = '50 GPa'
-load.pressure = "2 MPa" | material.E_star: found 1 beside load.pressure = '2 MPa', allowed: all pressures with units
-surface = {kind = "sphere", radius = "1 mm", n = [8, 8]} | surface.physical_sizes: found 1 beside surface.radius
+load.pressure = "2 MPa" | material.E_star: not given, hence 1 beside load.pressure = '2 MPa', allowed: all pressures with units
+surface = {kind = "sphere", radius = "1 mm", n = [8, 8]} | surface.physical_sizes: not given, hence 1 beside surface.radius
 load.force = 1 ; material.E_star = "1 GPa" ; surface = {physical_sizes = ["1 mm", "1 mm"], boundary = "free"} | load.force: found 1 beside material.E_star = '1 GPa', allowed: all pressures and forces
 """),  # noqa: E501
 )

@@ -119,6 +119,16 @@ def test_units_of_a_table(tmp_path):
     assert "of the surface" in named.prepared[0]
 
 
+@pytest.mark.parametrize("between", [";", "\t", " ; ", "  "])
+def test_decimal_commas_of_a_table(tmp_path, between):
+    """They were parted into whole numbers, silently where no q was below 1."""
+    rows = "\n".join(f"{q}{between}{C}{between}7,5" for q, C in zip(Q, C)).replace(".", ",")
+    path = tmp_path / "spectrum.csv"
+    path.write_text(f"q (1/nm){between}C (nm^4)\n{rows}\n")
+    named = wall(path=str(path), physical_sizes=("1 nm", "1 nm"))
+    assert named.heights == pytest.approx(1e-9 * wall(**ARRAYS).heights, rel=1e-9, abs=1e-20)
+
+
 def test_anisotropic_wall_has_the_moments_of_its_stretch():
     """Mean squares of slopes along and across the lay are those of C over 2 g and g/2."""
     peklenik = 3.0
