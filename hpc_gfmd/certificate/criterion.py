@@ -28,3 +28,9 @@ class StoppingCriterion:
     def tolerance(self) -> float:
         """The accuracy if there is one, else the residual; 0 without both."""
         return self.accuracy or self.residual or 0.0
+
+    @property
+    def largest_error(self) -> float:
+        """Largest allowed error relative to a value found: the true value may be smaller by as
+        much, and this is the tolerance of it."""
+        return self.tolerance / (1 + self.tolerance)

@@ -324,7 +324,7 @@ def _may_be_met(
     """
     if criterion.accuracy is None:
         return True
-    return target.may_be_met(solver, progress, criterion.accuracy)
+    return target.may_be_met(solver, progress, criterion.largest_error)
 
 
 def _conclude(
@@ -421,15 +421,16 @@ def _largest_over_tolerance(
     errors_left = [
         error
         for error, best in zip(errors, at_best, strict=True)
-        if not best >= criterion.tolerance  # a limit that is nan is none
+        if not best >= criterion.largest_error  # a limit that is nan is none
     ]
     if any(isnan(error) for error in errors_left):
         return nan
-    return max(errors_left, default=0.0) / criterion.tolerance
+    return max(errors_left, default=0.0) / criterion.largest_error
 
 
 def _status_of(certificate: Certificate, criterion: StoppingCriterion) -> str:
     """Return "converged", or "stagnated" if an error limited by rounding exceeds the tolerance."""
-    tolerance = criterion.tolerance
-    met = criterion.residual is not None or all(e < tolerance for e in certificate.errors)
+    met = criterion.residual is not None or all(
+        error < criterion.largest_error for error in certificate.errors
+    )
     return "converged" if met else "stagnated"

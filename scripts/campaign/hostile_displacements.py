@@ -10,6 +10,7 @@ import numpy as np
 
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.certificate.certificate import certify
+from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.operators.multilevel import Multilevel
@@ -157,7 +158,7 @@ def _largest_accepted(problem, levels, gap, change, accuracy):
         p = np.empty_like(g)
         with np.errstate(all="ignore"):
             found = certify(problem, g, p, levels, np.float64, dual=True)
-        if max(found.errors) <= accuracy:
+        if max(found.errors) <= StoppingCriterion(accuracy).largest_error:
             low = middle
             certificate = found
             touches = (g <= 0) & (p > 0)

@@ -30,12 +30,19 @@ def less_accurate(row):
 
 
 def above_estimate(row):
-    """Return the kinds of error above their estimate but within the requested accuracy."""
+    """Return the kinds of error above their estimate but within the requested accuracy.
+
+    An estimate is relative to the value found, which may be larger than the true one by as much.
+    """
     if not counts(row):
         return []
     errors = zip(KINDS, row["true"], row["claimed"])
     worse = less_accurate(row)
-    return [k for k, true, claimed in errors if k not in worse and not true <= claimed + SLACK]
+    return [
+        k
+        for k, true, claimed in errors
+        if k not in worse and claimed < 1 and not true <= claimed / (1 - claimed) + SLACK
+    ]
 
 
 def count(rows):

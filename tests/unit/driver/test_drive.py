@@ -203,21 +203,22 @@ def test_separated_bodies_are_not_iterated(certified):
 @pytest.mark.parametrize(
     ("criterion", "certificate", "left"),
     [
-        ({"accuracy": 1e-3}, {"errors": (1e-4, 2e-3, 5e-4)}, 2.0),
-        ({"accuracy": 1e-3}, {"errors": (4e-3, 2e-3, 5e-4)}, 4.0),
-        ({"accuracy": 1e-3}, {"errors": (0.0, 2e-3, 5e-3), "attainable": (3e-3, 0.0)}, 5.0),
-        ({"accuracy": 1e-3}, {"errors": (0.0, 2e-3, 5e-3), "attainable": (0.0, 8e-3)}, 2.0),
+        ({"accuracy": 1 / 999}, {"errors": (1e-4, 2e-3, 5e-4)}, 2.0),
+        ({"accuracy": 1 / 999}, {"errors": (4e-3, 2e-3, 5e-4)}, 4.0),
+        ({"accuracy": 1 / 999}, {"errors": (0.0, 2e-3, 5e-3), "attainable": (3e-3, 0.0)}, 5.0),
+        ({"accuracy": 1 / 999}, {"errors": (0.0, 2e-3, 5e-3), "attainable": (0.0, 8e-3)}, 2.0),
         ({"residual": 1e-2}, {"errors": (0.0, 2.0, 2.0), "residual": 3e-2}, 3.0),
-        ({"accuracy": 1e-3}, {"errors": (0.0, 0.0, 0.0), "stability": 0.0}, np.inf),
-        ({"accuracy": 1e-3}, {"errors": (0.0, 0.0, 0.0), "stability": -0.1}, np.inf),
-        ({"accuracy": 1e-3}, {"errors": (0.0, 0.0, 0.0), "stability": 0.1}, 0.0),
+        ({"accuracy": 1 / 999}, {"errors": (0.0, 0.0, 0.0), "stability": 0.0}, np.inf),
+        ({"accuracy": 1 / 999}, {"errors": (0.0, 0.0, 0.0), "stability": -0.1}, np.inf),
+        ({"accuracy": 1 / 999}, {"errors": (0.0, 0.0, 0.0), "stability": 0.1}, 0.0),
         ({"residual": 1e-2}, {"residual": np.nan}, np.inf),
-        ({"accuracy": 1e-3}, {"errors": (0.0, np.nan, 0.0)}, np.inf),
-        ({"accuracy": 1e-3}, {"errors": (0.0, 0.0, 2e-3), "attainable": (0.0, np.nan)}, 2.0),
+        ({"accuracy": 1 / 999}, {"errors": (0.0, np.nan, 0.0)}, np.inf),
+        ({"accuracy": 1 / 999}, {"errors": (0.0, 0.0, 2e-3), "attainable": (0.0, np.nan)}, 2.0),
     ],
 )
 def test_error_that_is_left(criterion, certificate, left):
     """States that are unstable or not finite never meet a criterion; errors of the working
-    precision do not count."""
+    precision do not count. An error of 1e-3 of the value found is one of 1 / 999 of the true
+    one."""
     made = Certificate(**{"contact": 10, "gap_mean": 1.0} | certificate)
     assert error_left(made, StoppingCriterion(**criterion)) == pytest.approx(left)
