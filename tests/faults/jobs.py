@@ -166,14 +166,19 @@ def run(words, ranks=None, cwd=None, **settings):
 EIGHT = [round(0.02 * 1.2**i, 6) for i in range(8)]
 
 
-def write_scene(folder=Path(), lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",)):
-    """Write scene.toml of a sweep and return the path of its result."""
+def write_scene(
+    folder=Path(), lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",), hardness=None
+):
+    """Write scene.toml of a sweep, with a hardness of a history, and return the path of its
+    result."""
+    dents = {"material": {"hardness": hardness}, "load": {"history": True}} if hardness else {}
     (folder / "scene.toml").write_text(
         scene_text(
             (2, lam, 2),
             loads,
             solver={"residual": residual, "precision": "double"},
             output={"path": "out.h5", "fields": list(fields)},
+            **dents,
         )
     )
     return folder / "out.h5"
