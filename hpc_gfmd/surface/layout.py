@@ -2,6 +2,7 @@
 
 import csv
 import re
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -51,15 +52,14 @@ class TextLayout:
         return tokens[:-1] if is_ended else tokens
 
     def number(self, token: str) -> float | None:
-        """Return the number of a token, nan for a missing one, None for any other text."""
-        if token.lower() in self.missing:
-            return float("nan")
-        if "_" in token or (self.decimal == "," and "." in token):
-            return None
-        try:
-            return float(token.replace(self.decimal, "."))
-        except ValueError:
-            return None
+        """Return the number of a token, nan for a missing one, None for any other text.
+
+        Numbers that mark missing points stay: beside the heights they may be coordinates.
+        """
+        is_plain = "_" not in token and not (self.decimal == "," and "." in token)
+        with suppress(ValueError):
+            return float(token.replace(self.decimal, ".") if is_plain else "")
+        return float("nan") if token.lower() in self.missing else None
 
     def count(self, tokens: list[str]) -> int | None:
         """Return how many tokens are numbers, "nan" among them; None if one is another text."""

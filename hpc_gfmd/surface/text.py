@@ -95,7 +95,9 @@ def _as_utf8(data: bytes) -> bytes:
     """Return a text in UTF-8 without mark, its lines ended by a newline; what is none is cp1252."""
     if is_utf16(data[:4096]):
         is_little = data[1:4096:2].count(0) > data[0:4096:2].count(0)
-        data = data.decode("utf-16-le" if is_little else "utf-16-be", "replace").encode()
+        without_mark = "utf-16-le" if is_little else "utf-16-be"
+        has_mark = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+        data = data.decode("utf-16" if has_mark else without_mark, "replace").encode()
     data = data.removeprefix(b"\xef\xbb\xbf")
     if not data.isascii():
         try:

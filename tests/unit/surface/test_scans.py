@@ -125,6 +125,14 @@ def test_tables_of_pandas(index, columns, note_words, sep):
     assert any(note_words in str(note) for note in topography.notes)
 
 
+def test_a_mark_of_missing_points_among_coordinates_is_no_gap():
+    """An index 0, 1, 2, ... stays one where 1 marks missing heights."""
+    z = with_hole()
+    rows = [["", *range(8)], *([k, *row] for k, row in enumerate(np.where(np.isnan(z), 1, z)))]
+    Path("z.csv").write_text(table_text(rows, ","))
+    assert is_map(heights("z.csv", missing=["1"], **KEYS), z)
+
+
 @pytest.mark.parametrize("corner", ["", "um", "y [um]", "0"])
 def test_coordinates_in_first_line_and_column(corner):
     """They give sizes if their unit is known."""
