@@ -67,8 +67,8 @@ CALIBRATION = LoopCalibration()
 
 class Outcome(NamedTuple):
     """How the iterations of a load have ended: a status (see `contact.Contact`), the certificate of
-    the solver's final gap, whose recomputed pressure is the solver's p, and the FFT pairs of
-    certificates and stabilities.
+    the final gap, whose recomputed pressure is the solver's p, and the FFT pairs of certificates
+    and stabilities.
     """
 
     status: str
@@ -263,19 +263,18 @@ class Limits:
         self._look_later(share)
 
     def wait_at_saddle(self) -> bool:
-        """Count a look at a saddle, and return whether to iterate further before leaving it.
+        """Count a look at a saddle, postpone the next certificate, and return whether to iterate
+        further first.
 
-        The solver may leave the saddle by itself: two of three calls return True. The next
-        certificate is postponed.
+        The solver may leave the saddle by itself: two of three calls return True.
         """
         self.saddles += 1
         self._look_later(0.0)
         return self.saddles % CALIBRATION.waits != 0
 
     def is_stable_enough(self, progress: Progress) -> bool:
-        """Return whether the certificate is still due, with the stability in the errors.
-
-        If not, the next look at the stability is postponed. The estimate of `progress` includes it.
+        """Return whether a certificate is due with the stability in the estimate, or postpone
+        it.
         """
         self.asked = measure_of(progress, self.criterion)
         if self.asked < self.threshold:
@@ -295,10 +294,10 @@ class Limits:
         return self.refusals > CALIBRATION.refusals
 
     def exceeded(self, progress: Progress) -> str | None:
-        """Return the status with which the iterations have to end; None if they may continue.
+        """Return the status with which the iterations have to end, or None. Call `note` before.
 
         It is "nonfinite", "max_iterations", or "stagnated" after too many iterations without
-        progress (`solver.patience`, with a factor of LoopCalibration). Call `note` before.
+        progress.
         """
         if not progress.finite:
             return "nonfinite"
@@ -335,10 +334,10 @@ def _conclude(
     reason: str,
     pairs: float,
 ) -> Outcome:
-    """Certify the final state of a load that ends for `reason`, and return its outcome.
+    """Certify the final state of a load that ends for `reason`, and return its outcome. Collective.
 
     If the certificate meets the criterion all the same, its status replaces the reason (except for
-    "nonfinite" and "interrupted"). pairs: FFT pairs of the certificates so far. Collective.
+    "nonfinite" and "interrupted"). pairs: of the certificates so far.
     """
     if guard is not None:
         pairs += guard.look()
@@ -355,8 +354,8 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
     """Certify the solver's gap, and overwrite its pressure with the recomputed one. Collective.
 
     The fields of the levels are overwritten, too, and with `criterion.in_turn` the last step is
-    lost: the solver needs `after_certificate` or `restart` before its next step. With
-    `criterion.closes` and all points in contact the errors of area and mean gap are 0.
+    lost: the solver needs `restart` before its next step. With `criterion.closes` and all points in
+    contact the errors of area and mean gap are 0.
     """
     if criterion.in_turn:
         solver.make_room()
@@ -394,10 +393,10 @@ def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
 
 
 def error_left(certificate: Certificate, criterion: StoppingCriterion) -> float:
-    """Return the certified residual or error over the requested one.
+    """Return the certified residual or error over the requested one, without errors that only
+    rounding keeps above it.
 
-    Errors that rounding alone keeps above the tolerance are left out. Below 1 no iterations are
-    needed any more; infinite if the state is not finite or not stable, or if an error is nan.
+    Infinite if the state is not finite or not stable, or if an error is nan.
     """
     if not certificate.finite or certificate.stability <= 0:
         return np.inf
@@ -412,10 +411,8 @@ def _largest_over_tolerance(
     errors: tuple[float, float, float],
     attainable: tuple[float, float],
 ) -> float:
-    """Return the largest error over the tolerance, without those that are limited by rounding.
-
-    errors: of area, mean gap and pressure; attainable: the limits of the last two. 0 if all errors
-    are left out, nan if one is.
+    """Return the largest error (area, mean gap, pressure) over the tolerance, without those limited
+    by rounding, `attainable`; nan if one is.
     """
     at_best = (0.0, *attainable)
     errors_left = [

@@ -19,32 +19,17 @@ if TYPE_CHECKING:
 
 @dataclass
 class Load:
-    """One prescribed load of a sweep, and the mean pressure that belongs to it.
+    """One prescribed load of a sweep, and the mean pressure that belongs to it."""
 
-    Attributes
-    ----------
-    quantity : str
-        Which quantity is prescribed: "pressure", "a_r", "gap_mean" or "approach".
-    value : float
-        Its prescribed value: a pressure in the unit of E_star, a length in the unit of the heights,
-        or a relative area.
-    target : Target
-        Has the mean pressure in the program's unit, or finds it during the iterations; nan in a
-        load that the sweep has not prepared yet.
-    time : float
-        When it is reached; only a body that relaxes (history.py) asks.
-    share : float
-        Accuracy of its contact over that requested; only a history asks.
-    parts : bool
-        Whether it holds the bodies farther apart than the load before; only a cycle of adhesion
-        (branches.py) asks.
-    """
-
-    quantity: str
-    value: float
+    quantity: str  # which one is prescribed: "pressure", "a_r", "gap_mean" or "approach"
+    value: float  # a pressure in the unit of E_star, a length in that of the heights, or an area
+    # Has the mean pressure in the program's unit, or finds it; nan in a load that the sweep has not
+    # prepared yet.
     target: Target = field(default_factory=lambda: Target(nan))
-    time: float = 0.0
-    share: float = 1.0
+    time: float = 0.0  # when it is reached; only a body that relaxes (history.py) asks
+    share: float = 1.0  # accuracy of its contact over that requested; only a history asks
+    # Whether it holds the bodies farther apart than the load before; only a cycle of adhesion
+    # (branches.py) asks.
     parts: bool = False
 
     @property
@@ -71,29 +56,14 @@ class Load:
 
 
 class Unfinished(NamedTuple):
-    """State of a load whose iterations were interrupted, from which a later run continues.
+    """State of a load whose iterations were interrupted, from which a later run continues."""
 
-    Attributes
-    ----------
-    gap : ndarray
-        The last gap, local slab of the grid, in the program's unit; its dtype is the precision in
-        which the load was iterated.
-    p_mean : float
-        Mean pressure of this gap, in the unit of E_star.
-    iterations : int
-        Iterations that the load has taken so far.
-    pairs : float
-        FFT pairs that the load has taken so far.
-    coarser : sequence of CoarseContact
-        Its contacts on coarser grids, which tell the errors by the grid; empty if it started from
-        the load before.
-    of_grid : GridErrors or None
-        The errors by the grid of the load before then, or of this gap.
-    """
-
-    gap: np.ndarray
-    p_mean: float
-    iterations: int
-    pairs: float
+    gap: np.ndarray  # local slab, in the program's unit and in the precision of the iterations
+    p_mean: float  # mean pressure of this gap, in the unit of E_star
+    iterations: int  # so far
+    pairs: float  # so far
+    # Its contacts on coarser grids, which tell the errors by the grid; empty if it started from the
+    # load before.
     coarser: Sequence[CoarseContact] = ()
+    # the errors by the grid of the load before then, or of this gap
     of_grid: GridErrors | None = None

@@ -86,8 +86,9 @@ def sweep_with(
 class Sweep:
     """Solves loads on one surface, one after another; each may start from the one before.
 
-    surface_in(dtype) makes the WorkingSurface: at once, and again if a load needs double precision.
-    `coarser` are the contacts of the last load on coarser grids; empty if it started elsewhere.
+    surface_in(dtype) makes the WorkingSurface, collectively: at once, and again if a load needs
+    double precision. `coarser` are the contacts of the last load on coarser grids; empty if it
+    started elsewhere.
     """
 
     def __init__(self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter):

@@ -27,28 +27,10 @@ if TYPE_CHECKING:
 
 
 class WorkingSurface:
-    """A surface whose heights are stored in one precision.
+    """A surface whose heights are stored in one precision, made by make_surface(dtype) at once.
 
-    Parameters
-    ----------
-    make_surface : callable
-        Makes the surface.Surface in a precision: ``make_surface(dtype)``. It is called at once, and
-        collective.
-    model : ContactModel
-        The body that is pressed against the surface, and its material.
-    dtype : dtype
-        The working precision.
-    nests : bool
-        Whether contacts are solved on coarser grids first.
-
-    Attributes
-    ----------
-    surface : Surface
-        The surface in this precision.
-    make_surface, model, dtype, nests
-        The parameters.
-    certifies_in_turn : bool
-        Whether the solver frees its transforms while a certificate in double precision is computed.
+    nests: whether contacts are solved on coarser grids first; `certifies_in_turn`: whether the
+    solver frees its transforms while a certificate in double precision is computed. Collective.
     """
 
     certifies_in_turn = False
@@ -64,10 +46,7 @@ class WorkingSurface:
         self._plan()
 
     def _plan(self) -> None:
-        """Plan the transforms of the solver. Collective.
-
-        Those of a certificate in double precision are planned when there is one.
-        """
+        """Plan the transforms of the solver, not those of certificates in double. Collective."""
         self._nested: Nested | None = None
         if not self.is_flat:
             self.surface.grid.fft(self.dtype)
