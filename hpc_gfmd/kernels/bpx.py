@@ -83,7 +83,23 @@ class UpdateSums(NamedTuple):
 
 @kernel
 def search_passes(
-    passes, shares, turns, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
+    passes,
+    shares,
+    turns,
+    rows,
+    scratch,
+    sums,
+    g,
+    p,
+    d,
+    z_1,
+    transfer,
+    step,
+    H,
+    inside,
+    law,
+    work,
+    transforms,
 ):
     """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
 
@@ -91,6 +107,7 @@ def search_passes(
     their common counter, `shares` the first pass of each share and the end, `passes` the same of
     rows. `rows` (transforms.py) and `scratch`, two separate rows, are memory of one thread. `sums`
     and, with a law, `work` get what `projected_step` and `work_of_step` return of each pass.
+    `transforms`: whether the rows are transformed.
     """
     share = add(turns, 0, 1)
     while share < shares.shape[0]:
@@ -102,7 +119,8 @@ def search_passes(
             )
             if law is not None:
                 work[k, 0], work[k, 1] = work_of_step(law, g, rows[0], i0, i1, inside)
-            store_rows(rows[1], i0, i1)
+            if transforms:
+                store_rows(rows[1], i0, i1)
         share = add(turns, 0, 1)
 
 
@@ -174,6 +192,15 @@ def update_passes(
                     target[j] = shared[0, c, j] + (zero if k == first else target[j])
                     coarse[c, bottom, j] = shared[1, c, j]
         share = add(turns, 0, 1)
+
+
+@kernel
+def add_step(g, d):
+    """Set g += d, the whole step as it is stored, on some rows: line 6 of the gap alone."""
+    PROJECTED = encode(g.dtype.type(-np.inf))
+    for i in range(g.shape[0]):
+        for j in range(g.shape[1]):
+            g[i, j] += -g[i, j] if d[i, j] == PROJECTED else decode(d[i, j])
 
 
 @inline

@@ -12,7 +12,9 @@ from ..parallel.coarsening import Level, axis_mode, axis_tables, passes_of
 from ..parallel.threads import PIECE_POINTS, on_threads, piece_rows, threads_for
 from ..util.aligned import empty_aligned, zeros_aligned
 
-DAMPING = 4.0  # of a level by the contact on it, over its stiffness
+# Of a level by the contact on it, over its stiffness. Measured on self-affine walls of n = 512 and
+# 1024: within 2 % of the fewest pairs from 2.5 to 3, 5 % more at 4
+DAMPING = 3.0
 # A sweep over coarse levels has less to do than a pass over the grid: smaller pieces share it out.
 PIECES = 8  # of a sweep, in a piece of a pass
 # A thread that waits for others looks so often, 0.2 ms, before it lets the system have its core

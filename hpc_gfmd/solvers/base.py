@@ -109,6 +109,8 @@ class Solver:
         Iterations without progress after which the loop counts the solver as stagnated.
     dents, attracts : bool
         Whether it can solve contacts with a hardness, and with an attraction.
+    goes_ahead : bool
+        Whether it has `step_ahead`.
     d : array, local slab
         The last step, in solvers that store one.
     allowed : dict
@@ -124,6 +126,7 @@ class Solver:
     allowed: Mapping[str, tuple[float, float]] = {}
     dents = False
     attracts = False
+    goes_ahead = False
     stability: Stability | None = None
     patience = 60
 
@@ -262,6 +265,14 @@ class Solver:
 
     def step(self) -> None:
         """Make one iteration: update self.g and self.p in place, and add 1 to `iterations`."""
+        raise NotImplementedError
+
+    def step_ahead(self) -> None:
+        """Make the next step of the gap alone, and add 1 to `iterations`; p stays.
+
+        A certificate then computes p there, so that both take one FFT pair. Call `restart` or
+        `after_certificate` before the next step. Only solvers with `goes_ahead` implement it.
+        """
         raise NotImplementedError
 
     def progress(self, with_errors: bool = True) -> Progress:

@@ -22,7 +22,7 @@ from ..certificate.certificate import Certificate
 from ..certificate.error_estimates import Estimate, State, estimate, relative_error
 from ..certificate.misclassified import misclassified_points, moments_of_open, spread_of
 from ..kernels.bfloat16 import stored_dtype
-from ..kernels.bpx import UpdateSums, search_passes
+from ..kernels.bpx import UpdateSums, add_step, search_passes
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from ..parallel.threads import Shares
@@ -49,7 +49,7 @@ class Bpx(Solver):
     sources = (
         "Bramble, Pasciak, Xu, Math. Comp. 55 (1990) 1, doi:10.1090/S0025-5718-1990-1023042-6",
     )
-    dents = attracts = True
+    dents = attracts = goes_ahead = True
 
     def __init__(
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
@@ -164,6 +164,11 @@ class Bpx(Solver):
         self._balance(-self.s * (pd + 0.5 * self.s * dKd))
         self.iterations += 1
 
+    def step_ahead(self) -> None:
+        self._choose_step(transforms=False)
+        self.grid.by_rows(lambda i0, i1: add_step(self.g[i0:i1], self.d[i0:i1]))
+        self.iterations += 1
+
     def _lower(self) -> None:
         """Lower a body that touches nowhere until it touches; a new descent begins if this changes
         the pressure. Collective."""
@@ -173,15 +178,16 @@ class Bpx(Solver):
             self.attracted = attracted
             self.restart()
 
-    def _choose_step(self) -> tuple[float, float, list[float]]:
+    def _choose_step(self, transforms: bool = True) -> tuple[float, float, list[float]]:
         """Write the next step -(a z + b d), projected, to self.d and transform its rows; return a,
         b and what `_search` returned.
 
         If the projection leaves too little of its descent, it is a plain projected gradient step
-        instead, with a = b = 0 (with a hardness, a shorter one is tried first).
+        instead, with a = b = 0 (with a hardness, a shorter one is tried first). transforms: whether
+        the rows are transformed.
         """
         a, b = self._coefficients()
-        work = self._search(a, b, 1.0)
+        work = self._search(a, b, 1.0, transforms)
         descent = a * self.rz + b * self.rd
         gained = -work[0]
         # at full contact there is nothing to descend
@@ -191,12 +197,12 @@ class Bpx(Solver):
             b = 0.0
             if not a * self.rz > self.gradient * self.compliance * self.rr:
                 break  # a plain step gains more
-            work = self._search(a, b, 1.0)
+            work = self._search(a, b, 1.0, transforms)
             descent = a * self.rz
             gained = -work[0]
         if gained > DESCENT * descent:
             return a, b, work
-        return 0.0, 0.0, self._search(self.gradient, 0.0, 0.0)
+        return 0.0, 0.0, self._search(self.gradient, 0.0, 0.0, transforms)
 
     def _balance(self, descent: float) -> None:
         """Let a wall with a hardness shift the body, see HardWall.balance; p stays, the last step
@@ -223,13 +229,16 @@ class Bpx(Solver):
         b = (zKz * rd - zKd * rz) / det
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
-    def _search(self, a: float, b: float, coupling: float) -> list[float]:
+    def _search(
+        self, a: float, b: float, coupling: float, transforms: bool = True
+    ) -> list[float]:
         """Make the first pass: overwrite self.d with the next step, and transform its rows.
 
         The step is -(a z + b d), projected, where d is the last step that was made; coupling = 0
         leaves the coarse levels out of z, else `_measure` must have swept them. Returns four sums
         over all ranks: <p, d>, with the work of dents; by how much dents become deeper; <t, d> and
-        the change of phi, both 0 without an attraction (kernels/adhesive_rows.py). Collective.
+        the change of phi, both 0 without an attraction (kernels/adhesive_rows.py).
+        transforms: whether the rows are transformed. Collective.
         """
         levels = self.levels
         fft = self.elastic.fft
@@ -244,7 +253,8 @@ class Bpx(Solver):
 
         def passes(thread: int) -> None:
             scratch = fft.rows[thread], tuple(levels.scratch[thread][0][:2]), sums
-            search_passes(ends, shares.parts, shares.turns, *scratch, *fields, step, *limits, work)
+            steps = *fields, step, *limits, work, transforms
+            search_passes(ends, shares.parts, shares.turns, *scratch, *steps)
 
         shares.on_threads(passes, range(fft.threads))
         return self.grid.comm.sum([*np.sum(sums, axis=0), *np.sum(work, axis=0)]).tolist()

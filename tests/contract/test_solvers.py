@@ -124,6 +124,27 @@ def test_pressure_follows_the_gap_over_many_steps(name):
     assert np.abs(followed - fresh).max() < 1e-9 * np.abs(fresh).max()
 
 
+@pytest.mark.parametrize("hardness", [None, 0.6])
+def test_a_step_ahead_leaves_the_pressure_to_a_certificate(hardness):
+    """Where the line search does not shorten the step, both ways reach the same state."""
+    problem = replace(problem_of(), hardness=hardness)
+    ahead, whole = (started("bpx", problem) for _ in range(2))
+    compared = 0
+    for _ in range(8):
+        ahead.step_ahead()
+        certificate = certify(problem, ahead.g, ahead.p, ahead.levels)
+        whole.step()
+        if whole.s == 1:
+            assert np.array_equal(ahead.g, whole.g)
+            assert relative(ahead.p, whole.p) < 1e-12
+            assert certificate.uKu == pytest.approx(whole.uKu, rel=1e-12)
+            compared += 1
+        for solver in (ahead, whole):
+            solver.start(whole.g)
+            solver.step()
+    assert compared > 2
+
+
 @every_solver
 def test_continuation_at_another_load(name):
     solver = started(name, problem_of(0.1))

@@ -66,9 +66,10 @@ def test_a_box_gives_the_contact_of_the_whole_grid(boxes, monkeypatch, z):
     assert len(boxes) == 1
     assert contact.iterations == 0
     assert contact.pairs < 0.8 * whole.pairs
-    for name in ("gap", "pressure_max"):
-        of_box, of_whole = (getattr(one.of_grid, name) for one in (contact, whole))
-        assert of_box == pytest.approx(of_whole, rel=1)  # coarse contacts are rough
+    of_box, of_whole = contact.of_grid, whole.of_grid
+    assert of_box.gap == pytest.approx(of_whole.gap, rel=1e-4)
+    # the largest pressure is that of one point, on grids that are solved roughly
+    assert 1 / 3 < of_box.pressure_max / of_whole.pressure_max < 3
 
 
 def test_points_that_coarse_grids_lack_are_in_the_box(boxes, monkeypatch):

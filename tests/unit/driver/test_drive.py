@@ -30,6 +30,8 @@ class Scripted:
     N: int = 100
     p0: float = 0.1
     is_separated: bool = False
+    goes_ahead: bool = False
+    ahead: int = 0
     problem = SimpleNamespace(attraction=None)
     certified_at: list = field(default_factory=list)
 
@@ -40,6 +42,10 @@ class Scripted:
 
     def step(self):
         self.iterations += 1
+
+    def step_ahead(self):
+        self.step()
+        self.ahead += 1
 
     def expected_area(self, estimate):
         return 0.0
@@ -84,6 +90,17 @@ def test_refusals_lower_the_threshold(certified):
     assert (outcome.status, outcome.pairs) == ("converged", 2 * PAIRS)
     (refused_at,) = solver.certified_at
     assert solver.iterations == refused_at + 3  # halvings
+
+
+@pytest.mark.parametrize("factor", [1, 8])
+def test_the_last_step_and_its_certificate_are_made_together(certified, factor):
+    """Once: if its certificate is refused, the next one comes after a whole step."""
+    certified(lambda solver: factor * halving(solver.iterations))
+    solver = Scripted(halving, goes_ahead=True)
+    outcome = drive(solver, CRITERION)
+    assert (outcome.status, solver.ahead) == ("converged", 1)
+    assert outcome.pairs == (PAIRS if factor == 1 else 3 * PAIRS)
+    assert max(outcome.certificate.errors) < ACCURACY
 
 
 def test_steps_without_an_estimate_need_no_certificate(certified):
