@@ -229,9 +229,7 @@ class Bpx(Solver):
         b = (zKz * rd - zKd * rz) / det
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
-    def _search(
-        self, a: float, b: float, coupling: float, transforms: bool = True
-    ) -> list[float]:
+    def _search(self, a: float, b: float, coupling: float, transforms: bool = True) -> list[float]:
         """Make the first pass: overwrite self.d with the next step, and transform its rows.
 
         The step is -(a z + b d), projected, where d is the last step that was made; coupling = 0
