@@ -127,11 +127,24 @@ class Sweep:
         """Solve one load, in single precision first if that may be enough. Collective.
 
         The solver stays at the solution, from which the next load may start and whose arrays it
-        overwrites; the surface may be made again in double precision. watch(iterations, progress)
-        is called before every iteration; a true value ends the load with the status "interrupted".
-        unfinished: state of this load from an interrupted run. Raises Stopped on all ranks if a
-        signal asks for it during another contact that this load requires, SceneError if the heights
-        of the surface's file have changed since.
+        overwrites; the surface may be made again in double precision.
+
+        Parameters
+        ----------
+        load : Load
+            As `loads` returns it; it is not changed.
+        watch : callable, optional
+            watch(iterations, progress) before every iteration; a true value ends the load with the
+            status "interrupted".
+        unfinished : Unfinished, optional
+            State of this load from an interrupted run.
+
+        Raises
+        ------
+        Stopped
+            On all ranks, if a signal asks for it during another contact that this load requires.
+        SceneError
+            If the heights of the surface's file have changed since.
         """
         if self.working.is_flat:
             return flat_contact(self.working, load, self.starter.criterion)

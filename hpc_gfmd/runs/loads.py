@@ -211,14 +211,20 @@ class Run:
         stops: Watch = lambda: False,
         unfinished_of: UnfinishedOf = lambda index: None,
     ) -> Iterator[SolvedLoad]:
-        """Solve loads, default all, one after another and yield each; all kinds of runs use this
-        loop.
+        """Solve loads one after another and yield each; all kinds of runs use this loop.
 
         The next load is solved when it is asked for. On the retraction branch, in a cycle of
         adhesion, and without the stored memory of a history, the loads before the first of
-        `indices` are solved, too, but not yielded. stops(): whether to stop; the load then has the
-        status "interrupted". unfinished_of(index): the state of a load that an earlier run has
-        begun, and the seconds spent on it.
+        `indices` are solved, too, but not yielded.
+
+        Parameters
+        ----------
+        indices : sequence of int, optional
+            The loads to solve; default: all.
+        stops : callable, optional
+            Whether to stop; the load then has the status "interrupted".
+        unfinished_of : callable, optional
+            The state of a load that an earlier run has begun, and the seconds spent on it.
         """
         wanted = range(len(self.loads)) if indices is None else indices
         if isinstance(self.sweep, History):
