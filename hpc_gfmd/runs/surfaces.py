@@ -19,7 +19,7 @@ from ..surface.metadata import Metadata
 from ..surface.prepare import mirrored, notes_on, prepare
 from ..surface.topography import Topography, open_topography, topography_of
 from ..surface.two_scans import combined, placed
-from ..util.errors import SceneError, SurfaceWarning
+from ..util.errors import GfmdError, SceneError, SurfaceWarning, reason
 from .prepared import PreparedSurface
 
 OF_EDGES = {"boundary", "window"}  # keys that say how the surface ends
@@ -226,7 +226,10 @@ def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topograph
 
 def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
     """Return the PreparedSurface that a [surface] makes of a height map, which is read whole."""
-    prepared = prepare(topography, spec, look=True)
+    try:
+        prepared = prepare(topography, spec, look=True)
+    except MemoryError as error:
+        raise GfmdError(f"preparing the surface: {reason(error)}") from None
     for note in prepared.notes:
         warnings.warn(note, stacklevel=3)  # where the caller of read_surface is
     return _surface(prepared, spec)

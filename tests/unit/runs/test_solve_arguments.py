@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scene_tables import rows
 
 import hpc_gfmd
-from hpc_gfmd.util.errors import SceneError
+from hpc_gfmd.util.errors import GfmdError, SceneError
 
 Z = random_heights((8, 8))
 HUGE = 10**400
@@ -178,3 +178,12 @@ def test_large_integers_keep_their_differences(dtype):
         np.testing.assert_array_equal(
             hpc_gfmd.solve(surface, 0.5, boundary="periodic").pressure, expected.pressure
         )
+
+
+def test_a_map_that_does_not_fit_into_the_memory_is_refused_in_one_line(monkeypatch):
+    def prepare(*arguments, **options):
+        raise MemoryError("Unable to allocate 32.0 GiB")
+
+    monkeypatch.setattr("hpc_gfmd.runs.surfaces.prepare", prepare)
+    with pytest.raises(GfmdError, match=r"^preparing the surface: out of memory .*GiB\)$"):
+        hpc_gfmd.prepare_surface(Z, boundary="periodic", refine=1024)
