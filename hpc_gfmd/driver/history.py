@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from .memory import Element
 
 FINEST = 1e-8  # finest accuracy that is asked of a step for the sake of later ones
-OF_SEARCHED = 0.1  # share of the accuracy where pressures are not known before
+OF_LATER = 0.5  # share of the accuracy for a load that others follow, over that of their pressures
+OF_SEARCHED = 0.02  # the same where pressures are not known before
 ROUNDED = 1e-9
 
 
@@ -34,12 +36,12 @@ def _shares(loads: Sequence[Load]) -> list[float]:
     """Return the accuracy that each load needs, over that requested: the wall keeps its absolute
     errors, which are larger relative ones at a lighter load later."""
     if not loads[0].is_pressure:
-        return [OF_SEARCHED] * len(loads)
-    shares = []
+        return [OF_SEARCHED] * (len(loads) - 1) + [1.0]
+    shares = [1.0]
     lightest = inf
-    for load in reversed(loads):
-        shares.append(min(1.0, lightest / load.value) if load.value else 1.0)
-        lightest = min(lightest, load.value or inf)
+    for later, load in pairwise(reversed(loads)):
+        lightest = min(lightest, later.value or inf)
+        shares.append(OF_LATER * min(1.0, lightest / load.value) if load.value else 1.0)
     return shares[::-1]
 
 
