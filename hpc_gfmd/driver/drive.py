@@ -26,43 +26,26 @@ class LoopCalibration:
     """When a certificate is computed, and when a solver counts as stagnated.
 
     A certificate alone decides that a load is solved; these numbers cost or save FFT pairs only.
-    "Refused" means: a certificate found larger errors than requested. "Measure" means: the error
-    that the solver estimates, over the requested one (`measure_of`).
-
-    Attributes
-    ----------
-    refusals : int
-        Number of refused certificates in a row without a smaller error after which the solver
-        counts as stagnated.
-    patience_at_floor : float
-        Factor on the solver's patience once a certificate was refused: then only rounding errors
-        are left.
-    improvement : float
-        Factor by which a measure or an error must decrease to count as progress.
-    look_again, look_again_after : float, int
-        If the stability was too small, it is computed again once the measure has decreased to this
-        share, or after this number of iterations.
-    ahead : float
-        Factor on the threshold of a certificate that is computed together with the next step, which
-        reduces errors to 0.2 to 0.5. Measured: alike from 2 to 3, a pair more at 1.
-    waits : int
-        Number of looks at a saddle after which the solver is kicked away from it.
-    avalanche : float
-        Relative change of the number of points in contact that counts as progress, with an
-        attraction.
-    patience_with_attraction : float
-        Factor on the solver's patience with an attraction: on the way from a saddle the errors rise
-        for a while.
+    "Measure" is the error that the solver estimates, over the requested one.
     """
 
-    refusals: int = 5
+    refusals: int = 5  # refused certificates without a smaller error until the solver has stagnated
+    # Factor on the solver's patience once a certificate was refused: then only rounding errors are
+    # left.
     patience_at_floor: float = 1 / 6
+    # factor by which a measure or error must decrease to count as progress
     improvement: float = 0.9
+    # after a too small stability: share to which the measure decreases before the next
     look_again: float = 0.3
-    look_again_after: int = 10
+    look_again_after: int = 10  # or number of iterations
+    # Factor on the threshold of a certificate that is computed together with the next step, which
+    # reduces errors to 0.2 to 0.5. Measured: alike from 2 to 3, a pair more at 1.
     ahead: float = 2.0
-    waits: int = 3
+    waits: int = 3  # looks at a saddle after which the solver is kicked away from it
+    # relative change of the points in contact that counts as progress, with attraction
     avalanche: float = 0.01
+    # Factor on the solver's patience with an attraction: on the way from a saddle the errors rise
+    # for a while.
     patience_with_attraction: float = 2.5
 
 
@@ -213,10 +196,9 @@ def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:
 class Limits:
     """Decides when a certificate is computed, and when a solver has iterated long enough.
 
-    A certificate is due once the measure (`measure_of`) is below a threshold, 1 at first. If the
-    certificate finds larger errors than requested, the threshold is lowered by this factor. The
-    solver is only read, never changed. `measure` is that of the progress noted last, `asked` the
-    same with the stability in it once `is_stable_enough` was asked.
+    A certificate is due once the measure (`measure_of`) is below a threshold, 1 at first, which a
+    refusal lowers by the factor by which errors were too large. `measure` is that of the progress
+    noted last, `asked` the same with the stability in it once `is_stable_enough` was asked.
     """
 
     def __init__(self, solver: Solver, criterion: StoppingCriterion):
@@ -247,7 +229,7 @@ class Limits:
             self._note_contact(progress.contact)
 
     def _note_contact(self, contact: float) -> None:
-        """Count a change of the number of points in contact by more than a percent as progress.
+        """Count a change of the points in contact by more than a percent as progress.
 
         With an attraction the contact may close or open as an avalanche, while errors rise.
         """
@@ -256,10 +238,7 @@ class Limits:
             self.best_at = self.solver.iterations
 
     def ask_for_certificate(self, progress: Progress) -> bool:
-        """Return whether a certificate is due: the measure is below the threshold.
-
-        False while the next one is postponed. `note` must have been called with this progress.
-        """
+        """Return whether a certificate is due for the progress that was noted last."""
         is_time = self.measure < self.look_below or self.solver.iterations >= self.look_at
         return progress.finite and self.measure < self.threshold and is_time
 
@@ -275,9 +254,8 @@ class Limits:
         return can and is_near and solver.iterations < self.criterion.max_iterations
 
     def note_refusal(self, certificate: Certificate, left: float) -> None:
-        """Record a certificate that did not meet the criterion: lower the threshold.
-
-        left: its error, or the miss of a target, over the requested one; at least 1.
+        """Lower the threshold after a certificate whose error was `left` times the requested
+        one.
         """
         by_residual = self.criterion.residual is not None
         error = certificate.residual if by_residual else certificate.errors[2]
