@@ -223,8 +223,8 @@ def surface_of(
     with collective_errors(comm, "reading the surface"):
         z = grid.empty(np.float64)
         for i in range(start, stop, ROWS):
-            j = min(i + ROWS, stop)
-            z[i - start : j - start] = checked(topography.rows(i, j), i, "surface")
+            rows = topography.rows(i, min(i + ROWS, stop))
+            z[i - start : i - start + ROWS] = checked(rows, i, "surface")
     check(comm)
     made = partial(
         Surface,

@@ -54,8 +54,8 @@ def columns_named(header: list[str], mark: str | None, columns: int) -> Columns 
         ]
         if all(len(role) == 1 for role in roles):
             places = tuple(role[0] for role in roles)
-            others = [k for k in range(columns) if k not in places]
-            unused = tuple(named[k][0] or f"column {k + 1}" for k in others)
+            unused_places = [k for k in range(columns) if k not in places]
+            unused = tuple(named[k][0] or f"column {k + 1}" for k in unused_places)
             units = tuple(named[k][1] for k in places)
             return Columns(places, units if all(units) else units_of(titles), unused)
     return None

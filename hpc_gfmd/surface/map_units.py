@@ -36,9 +36,9 @@ def missing_keys(metadata: Metadata, spec: Any, path: object) -> dict[str, str]:
         )
     if spec.physical_sizes is None and _sizes_in_file(metadata, spec) is None:
         no_length = sizes_unit and length_factor(sizes_unit) is None
-        what = f"and in {path} in {sizes_unit!r}, which is no unit of length"
+        wrong_unit = f"and in {path} in {sizes_unit!r}, which is no unit of length"
         missing["physical_sizes"] = (
-            f"surface.physical_sizes: not given, {what if no_length else where}, allowed: two"
+            f"surface.physical_sizes: not given, {wrong_unit if no_length else where}, allowed: two"
             ' positive numbers [L_x, L_y], plain in surface.unit or as "12.8 um"'
         )
     is_needed = spec.physical_sizes is None or has_unit(spec.physical_sizes) or bool(spec.xy_unit)
@@ -113,15 +113,15 @@ def _are_alike(metadata: Metadata, spec: Any) -> bool:
 
 def _require_the_same_units(metadata: Metadata, spec: Any, path: object) -> None:
     """Raise SceneError if the scene gives other units than the file."""
-    for key, what, given, in_file in (
+    for key, numbers, in_scene, in_file in (
         ("unit", "its heights", spec.unit, metadata.unit),
         ("xy_unit", "x and y", spec.xy_unit, metadata.sizes_unit),
     ):
         metres = length_factor(in_file or "")
-        if given and metres and length_factor(given) != metres:
+        if in_scene and metres and length_factor(in_scene) != metres:
             raise SceneError(
-                f"surface.{key}: found {given!r}, but {path} has {what} in {in_file!r}, allowed: no"
-                f" surface.{key}, or the file's own"
+                f"surface.{key}: found {in_scene!r}, but {path} has {numbers} in {in_file!r},"
+                f" allowed: no surface.{key}, or the file's own"
             )
 
 

@@ -134,19 +134,19 @@ def labels_of(sample: list[str], layout: TextLayout) -> Labels:
 
 
 def without_coordinates(
-    table: np.ndarray, labels: Labels, told: str | None
+    table: np.ndarray, labels: Labels, declared: str | None
 ) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None]:
     """Return heights, coordinates of the lines (first column) and of the columns (first line).
 
-    `told`: whether the first line, the first column or both are coordinates, as the scene says;
+    `declared`: that the first line, the first column or both are coordinates, as the scene says;
     None: the labels and even steps decide. Raises ValueError if that cannot be decided, or if
     coordinates are not evenly spaced.
     """
-    if told is None:
+    if declared is None:
         has_line, has_column = _has_coordinates(table, labels)
     else:
-        has_line = told in ("line", "both")
-        has_column = told in ("column", "both")
+        has_line = declared in ("line", "both")
+        has_column = declared in ("column", "both")
     of_columns = labels.above if has_line else None
     if has_line and labels.above is None:
         of_columns = table[0, int(has_column) :]
@@ -154,7 +154,7 @@ def without_coordinates(
     of_lines = table[:, 0] if has_column else None
     for values, place in ((of_columns, "line"), (of_lines, "column")):
         if values is not None and not changes_evenly(values, 2):
-            hint = f": {HINT}" if told is None else ""
+            hint = f": {HINT}" if declared is None else ""
             raise ValueError(f"the coordinates in its first {place} do not rise evenly{hint}")
     return table[:, int(has_column) :], of_lines, of_columns
 

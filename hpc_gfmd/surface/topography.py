@@ -112,7 +112,7 @@ def open_topography(spec: Any) -> Topography:
     sizes or units, or if two maps do not fit together.
     """
     if spec.bodies:
-        scans = [topography_of(*open_map(one), one) for one in specs_of_bodies(spec)]
+        scans = [topography_of(*open_map(body), body) for body in specs_of_bodies(spec)]
         return combined(placed((scans[0], scans[1]), spec), spec)
     specs = [spec.model_copy(update={"path": path}) for path in each(spec.path)]
     return reduce(_sum, [topography_of(*open_map(one_map), one_map) for one_map in specs])
