@@ -34,8 +34,7 @@ def rough_wall(n_over=(2, 16, 2), **keys):
 
 def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **tables):
     """The scene file of a self-affine wall; tables: further tables, and the title."""
-    load = {"p_star": list(p_star)} | tables.pop("load", {})
-    return tomli_w.dumps({"surface": rough(n_over), "load": load, **tables})
+    return tomli_w.dumps({"surface": rough(n_over), "load": {"p_star": list(p_star)}, **tables})
 
 
 class Pressing:

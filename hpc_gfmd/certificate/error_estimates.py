@@ -71,6 +71,7 @@ class EstimateCalibration:
     # many. Counts of n points scatter by sqrt(n), which is added.
     reach: float = 1.75
     # Up to `few` points may change sides if this takes less than `farthest` times that rms error.
+    # Chosen: from 3 to 24 no area of 200 light loads is wrong, for 3 % of the pairs.
     farthest: float = 12.0
     few: float = 3.0
     # Changes of pressure below this factor times its rms rounding error cannot tell on which side a

@@ -83,8 +83,8 @@ def check(scene: Scene) -> None:
         )
 
 
-def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep | History:
-    """Return what solves the loads of a scene, with its surface in a first precision. Collective.
+def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
+    """Return the sweep of a scene, with its surface in a first precision. Collective.
 
     It calls make_surface(dtype) again if a load needs another precision. Raises SceneError if a
     load or a length has a unit and the height map has none, or vice versa.
@@ -102,8 +102,13 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         unique=scene.load.unique,
     )
     _require_consistent_units(scene, sweep.surface)
+    return sweep
+
+
+def history_of(scene: Scene, sweep: Sweep) -> History | None:
+    """Return what solves the loads of a scene whose loads leave a memory; None for others."""
     if not scene.remembers:
-        return sweep
+        return None
     elements = [(float(share), float(tau)) for share, tau in scene.material.relaxation or ()]
     return History(sweep, elements, keeps_dents=scene.load.history)
 
@@ -186,8 +191,9 @@ UnfinishedOf = Callable[[int], tuple[Unfinished, float] | None]  # state of a lo
 class Run:
     """The loads of a scene on its surface, which make_surface(dtype) makes. Collective.
 
-    `sweep` solves one load after another; `loads` are all of the scene; `attributes` those of the
-    surface, by the names of the result file.
+    `sweep` solves one load after another: `history` where loads leave a memory, which is None
+    elsewhere. `loads` are all of the scene; `attributes` those of the surface, by the names of the
+    result file.
     """
 
     def __init__(
@@ -195,7 +201,9 @@ class Run:
     ) -> None:
         self.scene = scene
         self.say = say
-        self.sweep = sweep_of(scene, make_surface)
+        sweep = sweep_of(scene, make_surface)
+        self.history = history_of(scene, sweep)
+        self.sweep = self.history or sweep
         self.loads = self.sweep.loads(scene.load)
         self.attributes = surface_attributes(scene, self.surface)
         self.table = GrowingTable(self.attributes, scene.output.observables or ())
@@ -227,8 +235,8 @@ class Run:
             The state of a load that an earlier run has begun, and the seconds spent on it.
         """
         wanted = range(len(self.loads)) if indices is None else indices
-        if isinstance(self.sweep, History):
-            begins_anew = not self.sweep.has_begun
+        if self.history is not None:
+            begins_anew = not self.history.has_begun
         else:
             is_followed = self.scene.branch != APPROACH
             begins_anew = is_followed and bool(wanted) and unfinished_of(wanted[0]) is None

@@ -225,8 +225,8 @@ class _Run:
 
         Raises Stopped as soon as the run has to stop; within a load its gap is written first.
         """
-        if isinstance(run.sweep, History) and missing[0] > 0:
-            self._recall(run.sweep, missing[0] - 1)
+        if run.history is not None and missing[0] > 0:
+            self._recall(run.history, missing[0] - 1)
         unfinished_of = partial(self._unfinished, run)
         for load in run.solve(missing, self.interrupt.poll, unfinished_of):
             index = load.index
@@ -249,7 +249,7 @@ class _Run:
         names = self.scene.output.fields
         fields: dict[str, Any] = {name: contact.field(name) for name in names if name in FIELDS}
         assert self.run is not None  # it has solved the load
-        history = self.run.sweep if isinstance(self.run.sweep, History) else None
+        history = self.run.history
         # a surface that varies along one axis only is solved again, which takes no time
         if history is not None and contact.surface.reduced_axis is None:
             self.file.write_memory(load.index, history.memory.fields(), history.numbers())

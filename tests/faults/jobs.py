@@ -171,11 +171,12 @@ def write_scene(
 ):
     """Write scene.toml of a sweep, with a hardness of a history, and return the path of its
     result."""
-    dents = {"material": {"hardness": hardness}, "load": {"history": True}} if hardness else {}
+    dents = {"material": {"hardness": hardness}} if hardness else {}
+    load = {"p_star": list(loads), "history": hardness is not None}
     (folder / "scene.toml").write_text(
         scene_text(
             (2, lam, 2),
-            loads,
+            load=load,
             solver={"residual": residual, "precision": "double"},
             output={"path": "out.h5", "fields": list(fields)},
             **dents,
