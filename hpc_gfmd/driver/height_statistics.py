@@ -52,7 +52,8 @@ def carried_alone(problem: Problem, depth: float) -> float:
 
     A mean pressure p0 presses the point down by N p0 S_00 relative to the mean of the surface. The
     next point may rise relative to this mean, but by less than that divided by the number of points
-    along the shorter axis. A point that yields carries no more than the hardness.
+    along the shorter axis. A point that yields carries no more than the hardness, and
+    falls to the next point there: half of it keeps away from that jump.
     """
     if not np.isfinite(depth):
         return 0.0
@@ -60,5 +61,5 @@ def carried_alone(problem: Problem, depth: float) -> float:
     rise = 1 / min(grid.n)
     carried = depth / (problem.body.point_compliance(grid) * (1 + rise))
     if problem.hardness is not None:
-        carried = min(carried, problem.hardness)
+        carried = min(carried, 0.5 * problem.hardness)
     return carried / grid.N

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..surface import Surface
     from .working_surface import WorkingSurface
 
-POINT = 1.001  # points by which an area may always be missed
+POINT = 1 + 1e-9  # points by which an area may always be missed
 # `opening_load` below which a gap is sought from full contact. Chosen: alike from 5 to 20; at .2
 # gaps of 1e-5 h_rms take 3 times the pairs, at 1000 those of 1e-2 h_rms 1.7 times
 NEARLY_CLOSED = 5.0
@@ -193,9 +193,12 @@ class Area(Root):
         return max(aim, self.heights.highest / self.heights.points)
 
     def miss(self, y: float) -> float:
-        """0 up to one point of the map."""
+        """0 up to one point of the map, also from a value below the least area of any load."""
+        points = self.heights.points * self.map_points
+        least = self.heights.highest / self.heights.points
+        beyond = max(least - self.value, 0.0) * points if self.aim == least else 0.0
         miss = super().miss(y)
-        return miss if miss * self.aim * self.heights.points * self.map_points > POINT else 0.0
+        return miss if miss * self.aim * points > max(POINT - beyond, 0.0) else 0.0
 
     def straight(self, y: float) -> float:
         """x of the load at which Persson's theory, erf(c p0), has this area.

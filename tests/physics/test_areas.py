@@ -123,3 +123,11 @@ def test_a_second_point_that_just_touches(lower, beyond):
         solution = hpc_gfmd.solve(z, p_star * exact.g_rms, accuracy=accuracy)
         points = round(solution.a_r * z.size)
         assert abs(points - truth.contact) / truth.contact <= solution.errors[0] + 1e-9
+
+
+def test_an_area_of_less_than_a_point_is_one_point():
+    """Of two points one would be too many, though it is one more than the least of any load."""
+    z = np.array([[1.08032296], [1.8991886], [-2.49164816]])
+    solution = hpc_gfmd.solve(z, a_r=0.2937, boundary="periodic", hardness=0.267)
+    assert solution.a_r == pytest.approx(1 / 3)
+    assert solution.p < hpc_gfmd.solve(z, a_r=0.6, boundary="periodic", hardness=0.267).p
