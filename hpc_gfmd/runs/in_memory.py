@@ -144,7 +144,7 @@ class Surfaces:
     def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
         """Return a kept surface on a grid whose scratch memory belongs to this thread."""
         grid = surface.grid
-        kept = Grid.kept(grid.n, grid.sizes, self.comm, self.threads, nominal=grid.nominal)
+        kept = Grid.kept(grid.n, grid.sizes, grid.comm, self.threads, nominal=grid.nominal)
         return replace(surface, grid=kept)
 
 

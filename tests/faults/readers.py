@@ -32,7 +32,7 @@ def read_scene(path):
 
 def read_heights(path):
     """Read all rows of a height map."""
-    spec = File(kind="file", path=str(path))
+    spec = File(kind="file", path=str(path), physical_sizes=(1, 1), boundary="periodic")
     n = open_topography(spec).n
     rows = max(1, min(64, LARGEST_FIELD // n[1]))
     for start in range(0, n[0] if n[0] * n[1] <= LARGEST_FIELD else 0, rows):

@@ -59,7 +59,9 @@ def test_sound_height_maps_of_every_kind(array, tmp_path):
     np.save("z.npy", array)
     h5(tmp_path / "z.h5", lambda file: file.create_dataset("surface", data=array))
     for path in (tmp_path / "z.npy", tmp_path / "z.h5"):
-        topography = open_topography(File(kind="file", path=str(path)))
+        topography = open_topography(
+            File(kind="file", path=str(path), physical_sizes=(1, 1), boundary="periodic")
+        )
         assert topography.n == array.shape
         assert np.array_equal(topography.rows(1, 4), np.asarray(array, dtype=float)[1:4])
 

@@ -26,7 +26,7 @@ pytestmark = pytest.mark.mpi
 def test_the_same_number_of_ranks(comm, shared_path, monkeypatch, solver, boundary, loads):
     """Stopped in the first load and near the end of the second, then killed."""
     pieces = Pieces(monkeypatch, comm, shared_path)
-    scene = small(solver, loads, boundary=boundary, accuracy=1e-5)
+    scene = small(solver, loads, boundary=boundary, accuracy=1e-6)
     part = pieces.undisturbed(scene) // 3
     pieces.run(scene, (part // 2, False), (part + part // 2, False), (part // 2, True))
     pieces.compare(rel=2e-5)

@@ -37,13 +37,12 @@ def minimum_near(g, h, load, phi, size):
     return best.x.reshape(h.shape)
 
 
-@pytest.mark.parametrize("seed", [1, 6])
-def test_descent_from_the_state_before(seed):
+def test_descent_from_the_state_before():
     """On 24 x 24 points, with an inner loop, and up again once the bodies have come apart.
 
     Up it is the branch of approach, down that of retraction.
     """
-    surface = adhesive.wall(6, 2, seed)
+    surface = adhesive.wall(6, 2, 1)
     h = surface.heights.max() - surface.heights
     adhesion = adhesive.attraction(2.0, 0.1)
     phi = law_named("exponential", adhesion["work"], adhesion["range"])
