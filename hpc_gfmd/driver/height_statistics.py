@@ -52,8 +52,8 @@ def carried_alone(problem: Problem, depth: float) -> float:
 
     A mean pressure p0 presses the point down by N p0 S_00 relative to the mean of the surface. The
     next point may rise relative to this mean, but by less than that divided by the number of points
-    along the shorter axis. A point that yields carries no more than the hardness, and
-    falls to the next point there: half of it keeps away from that jump.
+    along the shorter axis. A point that yields carries no more than the hardness, and falls
+    to the next point there: half of it keeps away from that jump.
     """
     if not np.isfinite(depth):
         return 0.0

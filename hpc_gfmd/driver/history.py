@@ -27,9 +27,12 @@ if TYPE_CHECKING:
     from .memory import Element
 
 FINEST = 1e-8  # finest accuracy that is asked of a step for the sake of later ones
-OF_LATER = 0.5  # share of the accuracy for a load that others follow, over that of their pressures
-OF_SEARCHED = 0.02  # the same where pressures are not known before
-ROUNDED = 1e-9
+# Share of the accuracy for a load that others follow, over that of their pressures; and the same
+# where pressures are not known before. Chosen: of 2,286 loads of the campaign 4 stagnate by the
+# errors of loads before; at 1 and 0.1 it is 50.
+OF_LATER = 0.5
+OF_SEARCHED = 0.02
+ROUNDED = 1e-9  # relative rounding errors of an error
 
 
 def _shares(loads: Sequence[Load]) -> list[float]:
@@ -64,7 +67,7 @@ class History:
         # times and absolute errors of pressures, each larger than all later ones
         self._of_pressure: list[tuple[float, float]] = []
         self._time: float | None = None  # of the load before
-        self._failed = ""  # the status of the first load that did not converge
+        self._failed = ""  # the status of the last load that was not solved
 
     @property
     def surface(self) -> Surface:
@@ -98,7 +101,8 @@ class History:
         `Sweep.solve`.
 
         The contact is that with the original wall and E*; its errors contain those of the loads
-        before, and once a load has failed its status is that of all later ones. Collective.
+        before, and if these are too large it is "stagnated". Once a load was not solved, its status
+        is that of all later ones. Collective.
         """
         dt = 0.0 if self._time is None else load.time - self._time
         shift, factor = self.memory.position.before(dt)
@@ -175,11 +179,12 @@ class History:
         certificate = contact.certificate
         errors = self._with_errors_before(certificate, factor, load.time)
         accuracy = self.settings.accuracy
-        if contact.status != "converged":
-            self._failed = contact.status
+        status = contact.status
+        if status != "converged":
+            self._failed = status
         elif accuracy is not None and not max(errors) <= accuracy * (1 + ROUNDED):
-            self._failed = self._failed or "stagnated"
-        contact = replace(contact, status=self._failed or contact.status)
+            status = "stagnated"  # this load only: the errors of the next one contain the same
+        contact = replace(contact, status=self._failed or status)
         # the energy of a body that relaxes is not that of its displacement
         energy = nan if self.memory.body.elements else certificate.energy
         return replace(

@@ -195,8 +195,8 @@ class Area(Root):
     def miss(self, y: float) -> float:
         """0 up to one point of the map, also from a value below the least area of any load."""
         points = self.heights.points * self.map_points
-        least = self.heights.highest / self.heights.points
-        beyond = max(least - self.value, 0.0) * points if self.aim == least else 0.0
+        at_once = self.heights.highest / self.heights.points
+        beyond = max(at_once - self.value, 0.0) * points if self.aim == at_once else 0.0
         miss = super().miss(y)
         return miss if miss * self.aim * points > max(POINT - beyond, 0.0) else 0.0
 
