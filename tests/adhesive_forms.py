@@ -26,11 +26,6 @@ class JohnsonKendallRoberts:
         return np.cbrt(3 * self.R / (4 * self.E_star) * load)
 
 
-def dmt_pull_off(R, w):
-    """Return the pull-off force of a ball by Derjaguin, Muller and Toporov."""
-    return -2 * np.pi * w * R
-
-
 def maugis_pull_off(lam):
     """Return the pull-off force of a ball over pi w R; the traction is constant up to a range.
 

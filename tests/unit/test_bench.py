@@ -11,7 +11,7 @@ import mpi_harness
 import numpy as np
 import pytest
 from bench import peers, timing
-from bench.cells import by_cells, love
+from bench.cells import by_cells
 from bench.command import ITEMS, make_parser
 from bench.contacts import RoughContact, distance
 from bench.model import Machine, predict
@@ -96,21 +96,6 @@ def test_true_errors():
     numbers, pressure = free.reference
     assert numbers["a_r"] == pytest.approx(0.2, rel=0.03)
     assert 1e-3 < distance(by_cells(free), pressure) < 0.06
-
-
-def test_displacement_by_a_cell():
-    """The displacement by a pressure on one cell agrees with quadrature, there and around it."""
-    half = 0.4, 0.8
-    i = np.arange(-3, 4)
-    j = np.arange(-3, 4)
-    displacement = love(2 * half[0] * i, 2 * half[1] * j, *half)
-    x, y = ((np.arange(400) + 0.5) / 200 - 1 for _ in range(2))
-    for k, m in ((1, 0), (0, 3), (-2, 1), (3, -1)):
-        r = np.hypot(half[0] * (2 * k + x)[:, None], half[1] * (2 * m + y))
-        assert displacement[k + 3, m + 3] == pytest.approx(
-            np.mean(1 / r) * 4 * half[0] * half[1] / np.pi, rel=1e-5
-        )
-    assert displacement[3, 3] == displacement.max()
 
 
 def test_rows_that_cannot_be_compared(monkeypatch):

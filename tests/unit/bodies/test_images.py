@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from hpc_gfmd.bodies import images as module
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.bodies.images import Images, images, kernel, kernel_of_wave
 from hpc_gfmd.parallel.comm import SerialComm
@@ -54,29 +53,6 @@ def matrix(image_modes: Images, parity):
     for numbers, block in zip(index, T):
         out[np.ix_(numbers, numbers)] = block
     return out
-
-
-@pytest.mark.parametrize("cell", [(1.0, 1.0), (1.3, 0.8)])
-def test_kernel_makes_free_space_periodic(cell, monkeypatch):
-    """1/(pi r) less the kernel is periodic, has zero mean, and does not depend on the width with
-    which the sum is split."""
-    X, Y = cell
-    x = np.linspace(0.05, X / 2, 7)
-    y = np.linspace(0, Y / 2, 5)
-
-    def rest(x, y):
-        return 1 / (np.pi * np.hypot(x[:, None], y)) - kernel(x, y, X, Y)
-
-    S = rest(x, y)
-    assert rest(X - x, y) == pytest.approx(S, abs=1e-12)
-    assert rest(x, Y - y) == pytest.approx(S, abs=1e-12)
-    u, w = np.polynomial.legendre.leggauss(40)
-    c = w @ kernel((u + 1) * X / 4, (u + 1) * Y / 4, X, Y) @ w / 4
-    # mean of 1/(pi r)
-    over_r = (X * np.arcsinh(Y / X) + Y * np.arcsinh(X / Y)) * 2 / (np.pi * X * Y)
-    assert c == pytest.approx(over_r, rel=1e-10)
-    monkeypatch.setattr(module, "WIDTH", 0.13)
-    assert rest(x, y) == pytest.approx(S, abs=1e-12)
 
 
 @pytest.mark.parametrize("q", [0.0, 0.3, 5.0])

@@ -91,14 +91,3 @@ def test_contacts_that_no_box_holds_are_solved_on_the_whole_grid(boxes, monkeypa
     contact, whole = compare(np.maximum(ball(-0.3, 0), ball(0.3, 0)), 1e-5, monkeypatch)
     assert boxes == []
     assert contact.pairs == whole.pairs
-
-
-@pytest.mark.parametrize("sides", [(0, 8, 0, 8), (30, 41, 5, 100), (250, 256, 100, 200)])
-def test_a_box_is_within_the_surface_with_its_margin(sides):
-    i0, i1, j0, j1 = sides
-    first = module._place(Rectangle(*sides), (256, 256), (128, 128))
-    for begin, (lo, hi) in zip(first, ((i0, i1), (j0, j1))):
-        assert 0 <= begin <= 128
-        assert begin <= max(lo - (hi - lo) / 8, 0)
-        assert begin + 128 >= min(hi + (hi - lo) / 8, 256)
-    assert module._place(Rectangle(0, 120, 100, 220), (256, 256), (128, 128)) is None

@@ -75,13 +75,6 @@ def halving(iterations):
 CRITERION = StoppingCriterion(accuracy=ACCURACY, max_iterations=200)
 
 
-def test_correct_estimates_need_one_certificate(certified):
-    certified(lambda solver: halving(solver.iterations))
-    outcome = drive(Scripted(halving), CRITERION)
-    assert (outcome.status, outcome.pairs) == ("converged", PAIRS)
-    assert max(outcome.certificate.errors) < ACCURACY
-
-
 def test_refusals_lower_the_threshold(certified):
     """Estimates that are 8 times too small cost one more certificate."""
     certified(lambda solver: 8 * halving(solver.iterations))
@@ -101,12 +94,6 @@ def test_the_last_step_and_its_certificate_are_made_together(certified, factor):
     assert (outcome.status, solver.ahead) == ("converged", 1)
     assert outcome.pairs == (PAIRS if factor == 1 else 3 * PAIRS)
     assert max(outcome.certificate.errors) < ACCURACY
-
-
-def test_steps_without_an_estimate_need_no_certificate(certified):
-    certified(lambda solver: halving(solver.iterations))
-    outcome = drive(Scripted(lambda k: halving(k) if k % 4 == 0 else None), CRITERION)
-    assert (outcome.status, outcome.pairs) == ("converged", PAIRS)
 
 
 def test_constant_certificates_are_stagnation(certified):
@@ -163,14 +150,6 @@ def test_nonfinite_progress(certified):
     assert solver.iterations == 3
 
 
-def test_interrupts(certified):
-    """Interrupted loads are not certified, even if they are accurate."""
-    certified(lambda solver: 0.0)
-    solver = Scripted(lambda k: 1.0)
-    outcome = drive(solver, CRITERION, lambda iterations, progress: iterations == 7)
-    assert (outcome.status, solver.iterations) == ("interrupted", 7)
-
-
 class Doubling(Target):
     """A target that doubles the load after a number of certificates."""
 
@@ -208,13 +187,6 @@ def test_a_target_goes_on_where_iterations_help_no_more(certified, error, status
     outcome = drive(solver, CRITERION, target=Doubling(3))
     assert outcome.status == status
     assert solver.p0 == pytest.approx(0.8 if status == "converged" else 0.1)
-
-
-def test_separated_bodies_are_not_iterated(certified):
-    solver = Scripted(halving)
-    solver.is_separated = True
-    assert drive(solver, CRITERION).status == "separated"
-    assert solver.iterations == 0
 
 
 @pytest.mark.parametrize(

@@ -5,13 +5,7 @@ import pytest
 from contacts import rough, sweep_of
 
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.precision import (
-    first_precision,
-    known_heights,
-    known_p_stars,
-    precisions,
-    too_soft,
-)
+from hpc_gfmd.driver.precision import first_precision, known_heights, known_p_stars, precisions
 from hpc_gfmd.scene import Scene, SolverTable
 
 SINGLE = np.dtype(np.float32)
@@ -41,13 +35,6 @@ def test_forecast_agrees_with_a_sweep(p_star):
     sweep = sweep_of(surface, **solver)
     used = [sweep.solve(p * sweep.surface.g_rms).g.dtype for p in p_star]
     assert [dtype or SINGLE for dtype in forecast] == used
-
-
-def test_heights_that_are_stored_too_roughly_for_a_hardness():
-    assert too_soft(1e-2, h_rms=10.0, hardness=1e-6)
-    assert not too_soft(1e-2, h_rms=10.0, hardness=1.0)
-    assert not too_soft(1e-2, h_rms=10.0, hardness=None)
-    assert not too_soft(None, h_rms=10.0, hardness=1e-6)  # a residual has no such error
 
 
 @pytest.mark.parametrize(("hardness", "dtype"), [(1e-6, DOUBLE), (0.3, SINGLE)])

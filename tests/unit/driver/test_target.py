@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hpc_gfmd.driver.height_statistics import HeightStatistics
-from hpc_gfmd.driver.root import Bound, Root, share_of_way
+from hpc_gfmd.driver.root import Root
 
 TOLERANCE = 1e-3
 HEIGHTS = HeightStatistics(10_000, 1, 1, top=3.0, lowest=0.0, steepness=1.0, alone=0.0)
@@ -142,42 +142,3 @@ def test_predictions_are_followed_between_the_bounds():
     assert target.propose(0.8, 0.0, certified=False, allowed=0.3) is None
     target.bound(0.8, -0.2)
     assert target.propose(1.2, 0.0, certified=False) is None  # beyond the bound
-
-
-def test_contradicting_bounds_are_dropped():
-    target = Curve(lambda p: p, 1.0)
-    for x, y in ((1.0, 0.5), (0.5, 1.5)):
-        target.begin_at(exp(x))
-        target.bound(y, y - 1)
-    assert target.low is None
-    assert target.high.value == 1.5
-
-
-@pytest.mark.parametrize(
-    ("distances", "share"),
-    [
-        ((-0.5, 0.8), 0.5 / 1.3),  # a secant
-        ((-0.5, 0.8, -0.9), None),  # inverse quadratic interpolation, exact here
-        ((-3.0, 0.8, -4.0), 0.5),  # Chandrupatla's conditions do not hold
-    ],
-)
-def test_share_of_the_way_between_bounds(distances, share):
-    """Of loads whose inverse is a parabola: x = 1 + y + y^2/5 of a distance y, so 1 is the root."""
-    newest, opposite, *replaced = [Bound(1 + y + y**2 / 5, 0.0, y, 0.0) for y in distances]
-    if share is None:
-        share = (1 - newest.x) / (opposite.x - newest.x)
-    assert share_of_way(newest, opposite, *replaced or [None]) == pytest.approx(share, rel=1e-12)
-
-
-@given(p0=st.floats(1e-6, 0.999), hardness=st.sampled_from([1.0, None]))
-def test_variable_maps_to_the_load(p0, hardness):
-    target = Curve(lambda p: p, 0.3, start=0.5, hardness=hardness)
-    target.begin_at(p0)
-    assert target.p0 == pytest.approx(p0, rel=1e-9)
-
-
-@pytest.mark.parametrize(("factor", "slope"), [(exp(1.0), 2.0), (1.0, 1.0), (exp(10.0), 1.0)])
-def test_slope_of_the_loads_before(factor, slope):
-    """It is used unless it is too flat or too steep."""
-    history = [{"p0": 1.0, "y": 2.0}, {"p0": exp(0.5), "y": 2.0 * factor}]
-    assert Curve(lambda p: p, 2.0, history=history).slope == pytest.approx(slope)

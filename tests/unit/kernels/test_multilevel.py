@@ -2,54 +2,13 @@
 
 import numpy as np
 import pytest
-from transfers import SIZES, interpolated, restricted, whole
+from transfers import SIZES, interpolated, restricted
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
-from hpc_gfmd.kernels import multilevel
 from hpc_gfmd.operators.coarsest import DAMPING
 from hpc_gfmd.operators.multilevel import Multilevel
-from hpc_gfmd.parallel.coarsening import axis_tables, halved, levels
+from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.grid import Grid
-
-
-def test_there_are_at_most_two_rows_beside_a_coarse_one():
-    for n in range(2, 200):
-        (m, _), _ = halved((n, n), (1.0, 1.0))
-        J_x, _ = axis_tables(n, m, np.float64)
-        assert np.bincount(J_x, minlength=m).min() >= 1
-        assert np.bincount(J_x).max() <= 2
-
-
-@pytest.mark.parametrize("n", SIZES)
-def test_transfers_are_adjoint(random, n):
-    """<R x, y> N/N_1 = <x, P y>, with R and P as in the reference matrices."""
-    transfer, m = whole(n)
-    x = random.standard_normal(n)
-    y = random.standard_normal(m)
-    fine = np.zeros((1, n[0] + 2, n[1]))
-    coarse = np.zeros((1, m[0] + 2, m[1]))
-    fine[0, 1:-1] = x
-    for rows in transfer.passes(3):
-        multilevel.restrict_level(fine, coarse, transfer.tables, *rows, tuple(np.empty((2, n[1]))))
-    R = coarse[0, 1:-1].copy()
-    R[0] += coarse[0, -1]
-    R[-1] += coarse[0, 0]
-    assert np.allclose(R, restricted(x, m), atol=1e-13)
-    Py = np.zeros((1, n[0] + 2, n[1]))
-    restricted_fields = np.zeros((2, n[0] + 2, n[1]))
-    multilevel.smooth_level(
-        restricted_fields,
-        y[np.arange(-1, m[0] + 1) % m[0]].copy(),
-        Py[0],
-        1.0,
-        4.0,
-        transfer.tables,
-        tuple(map(np.ones, n)),
-        *(0, n[0]),
-        tuple(np.empty((2, max(n[1], m[1])))),
-    )
-    assert np.allclose(Py[0, 1:-1], interpolated(y, n), atol=1e-13)
-    assert np.vdot(R, y) * x.size / y.size == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
 
 
 def by_matrices(grid, r, theta, level=0):

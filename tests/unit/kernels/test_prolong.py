@@ -52,25 +52,6 @@ def interpolated(a, n, near, far):
     return np.stack([a, between], 1).reshape(-1, a.shape[1])[:n]
 
 
-def test_cubic_interpolation_without_contact():
-    """Interpolation is exact at points of the coarse grid and of fourth order between them."""
-    errors = []
-    for n in (32, 64):
-        x = np.arange(n) / n
-        u = np.cos(2 * np.pi * x)[:, None] * np.sin(2 * np.pi * x)
-        coarse = u[::2, ::2].copy()
-        g = prolonged(
-            coarse,
-            np.zeros_like(coarse),
-            np.full((n, n), 10.0),
-            0.6,
-            np.array([1.2, -0.2, -0.2, -0.04]),
-        )
-        assert np.allclose(g[::2, ::2] - 10, coarse)
-        errors.append(np.abs(g - 10 - u).max())
-    assert errors[0] / errors[1] > 12
-
-
 @pytest.mark.parametrize(
     ("n", "m"),
     [

@@ -135,21 +135,6 @@ def test_catalogue(level):
         assert {case.hurst for case in cases} == {0.0, 0.3, 0.5, 0.8}
 
 
-def test_grids_of_an_eps_c_series_have_the_same_surface():
-    surface = (0.3, 2, 16)
-    heights = []
-    for case in series("eps_c", "quick"):
-        if (case.hurst, case.seed, case.lam_l_over_lam_s) == surface and case.lam_s_over_a < 16:
-            keys = {name: x for name, x in case.surface.items() if name != "accuracy"}
-            z = hpc_gfmd.make_surface("self-affine", **keys).heights
-            step = round(case.lam_s_over_a / 2)
-            coarse = z[::step, ::step]
-            heights.append((coarse - coarse.mean()) / z.std())
-    assert len(heights) == 3
-    for heights_of_grid in heights[1:]:
-        assert np.abs(heights_of_grid - heights[0]).max() < 1e-9
-
-
 @pytest.fixture
 def paper(cli):
     """`cli` for the command line of scripts/paper."""

@@ -8,7 +8,6 @@ from refusal import refused
 pytestmark = pytest.mark.slow
 NOISE = 0.004
 ALPHA = {"t": 1.0, "f": None, "c": 0.6}
-TRUTH = {"limit": 1.95, "C_t": 0.04, "C_f": 8.0, "C_c": 0.13, "alpha_f": 0.7}
 
 
 def planted(repeats=1, noise=0.0, seed=0):
@@ -20,18 +19,6 @@ def planted(repeats=1, noise=0.0, seed=0):
     value = 1.95 + 0.04 * t + 8 * f**0.7 + 0.13 * c**0.6
     value += noise * np.random.default_rng(seed).normal(size=value.size)
     return {"t": t, "f": f, "c": c}, value
-
-
-def test_exact_data_are_recovered():
-    eps, value = planted()
-    fit = fit_tfc(eps, value, np.eye(value.size), ALPHA)
-    row = fit.row(0.8)
-    assert {name: row[name] for name in TRUTH} == pytest.approx(TRUTH, rel=1e-5)
-    truth = 0.02 + 8 * 0.5**7 + 0.13 * 0.5**0.6
-    assert fit.correction(0.5, 0.5**10, 0.5)[0] == pytest.approx(truth, rel=1e-6)
-    alone = fit_tfc(eps, 8 * eps["f"] ** 0.7, np.eye(value.size), {"f": None}, limit=0.0)
-    assert alone.names == ("C_f", "alpha_f")
-    assert alone.alpha["f"] == pytest.approx(0.7, rel=1e-5)
 
 
 def test_uncertainties_match_the_scatter():

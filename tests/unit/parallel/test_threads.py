@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from hpc_gfmd.parallel.threads import PIECE_ROWS, on_threads, pieces_of, shares
+from hpc_gfmd.parallel.threads import PIECE_ROWS, on_threads, pieces_of
 
 
 def together(threads, count):
@@ -82,14 +82,6 @@ def test_a_fork_has_threads_of_its_own():
         finally:
             os._exit(threads)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 2
-
-
-@pytest.mark.parametrize("threads", [1, 2, 7])
-@pytest.mark.parametrize("count", [0, 1, 5, 1000])
-def test_shares_are_a_partition(count, threads):
-    parts = shares(count, threads)
-    assert [i for begin, end in parts for i in range(begin, end)] == list(range(count))
-    assert all(begin < end for begin, end in parts)
 
 
 @pytest.mark.parametrize("rows", [1, 7, 8, 9, 31, 64, 100, 2048])

@@ -66,11 +66,6 @@ def test_damaged_wisdom_is_measured_again(content, memory):
     assert len(memory.text().splitlines()) > 5
 
 
-def test_cache_that_cannot_be_written_is_ignored(memory, tmp_path):
-    (tmp_path / "cache").write_text("a file where the folder should be")
-    assert plan().plans.rows_forward is not None
-
-
 class Rank(SerialComm):
     """One of two ranks; `sent` holds the messages of rank 0."""
 

@@ -349,16 +349,6 @@ def test_theory_is_only_drawn_for_its_surfaces(scene, kind, name):
     )
 
 
-def test_colours_ignore_a_spike_and_a_title_names_it():
-    for spike, is_noted in ((1.0, False), (100.0, True)):
-        fig = plot(write(f"{spike}.h5", spike=spike), "pressure", step=0)
-        (image,) = fig.axes[0].get_images()
-        top = float(read_result(f"{spike}.h5").fields[0]["pressure"].read(0, 32).max())
-        assert (f"max {top:.3g}" in text_of(fig)) == is_noted
-        assert (image.norm.vmax < 0.1 * top) == is_noted
-        assert (image.colorbar.extend == "max") == is_noted
-
-
 def test_tight_loads_are_shaded():
     """Where no channel is open a logarithmic axis has nothing to show, and the picture says it."""
     wall = rough_wall()

@@ -70,17 +70,3 @@ def test_deadline_stops_after_an_iteration():
         check(comm)
         assert interrupt.poll()
         assert interrupt.exit_code == 143
-
-
-def test_signal_handlers_are_restored():
-    def handler(number, frame):
-        pass
-
-    before = signal.signal(signal.SIGUSR1, handler)
-    try:
-        with Interrupt(SerialComm()) as interrupt:
-            os.kill(os.getpid(), signal.SIGUSR1)
-            assert interrupt.signal == signal.SIGUSR1
-        assert signal.getsignal(signal.SIGUSR1) is handler
-    finally:
-        signal.signal(signal.SIGUSR1, before)

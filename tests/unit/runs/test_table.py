@@ -8,20 +8,6 @@ from hpc_gfmd.output.summary import summary, with_error
 from hpc_gfmd.runs.table import table
 
 
-def test_unconverged_steps_are_marked():
-    text = table(
-        {0: STEP, 1: STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}}, {}
-    )
-    header, units, converged, stagnated, *remarks = text.splitlines()
-    assert header.split() == ["step", "p*", "p", "a_r", "status"]
-    assert "[pressure]" in units  # 0.1 of E* only if E_star is 1
-    assert converged.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "converged"]
-    assert stagnated.split()[:2] == ["!", "1"]
-    assert len(remarks) == 2
-    assert remarks[0].startswith("! step 1: NOT CONVERGED (stagnated)")
-    assert remarks[1] == "  step 1: fewer than 100 points touch"
-
-
 def test_the_area_of_the_grid_is_too_large():
     """Its bar is on the side of the edge correction; the corrected one has what is left of it."""
     step = STEP | {"a_r_error": 0.01, "a_r_discretisation": 0.11, "a_r_corrected": 0.225}

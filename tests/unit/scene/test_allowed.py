@@ -43,16 +43,3 @@ def test_lower_bound_matches_its_text(name):
             check.validate_python(number)
     with pytest.raises(ValidationError):
         check.validate_python(number - 1)
-
-
-@pytest.mark.parametrize(
-    ("key", "words"),
-    [
-        ("material.nu1", "a number above -1 and up to 0.5"),
-        ("solver.nested", '"auto", true or false'),
-        ("load.a_r", "a number above 0 and up to 1, or a list of them"),
-        ("machine.threads", 'a whole number from 1 to 65536 or "auto"'),
-    ],
-)
-def test_texts_of_allowed_values(key, words):
-    assert allowed_of(FIELDS[key]) == words

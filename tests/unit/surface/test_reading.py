@@ -307,6 +307,9 @@ def test_missing_heights_in_memory_and_files():
         assert np.array_equal(np.isnan(read.rows(0, 12)), MASKED.mask)
         with refused(r"^surface.path: found nan at"):
             build_surface(spec(name, boundary="free", physical_sizes=SIZES), SerialComm(), float)
+    np.savez("z.npz", z=Z, mask=MASKED.mask.T)
+    with refused("mask"):
+        open_topography(spec("z.npz", physical_sizes=SIZES)).rows(0, 12)
     np.savez("z.npz", z=Z, mask=Z)  # the dataset "mask" holds heights
     read = open_topography(spec("z.npz", physical_sizes=SIZES, dataset="mask"))
     assert np.array_equal(read.rows(0, 12), Z)

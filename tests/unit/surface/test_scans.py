@@ -525,26 +525,6 @@ def test_missing_numbers_of_the_scene(written, name):
     assert is_map(heights(name, missing=[written], **KEYS), with_hole())
 
 
-@pytest.mark.parametrize("kind", ["npz", "hdf5"])
-@pytest.mark.parametrize("dtype", [bool, np.uint8, float, np.float32])
-def test_masks(kind, dtype):
-    hole = np.isnan(with_hole())
-
-    def write(mask):
-        if kind == "npz":
-            np.savez("z.npz", z=Z, mask=mask)
-        else:
-            with h5py.File("z.hdf5", "w") as file:
-                file.update(z=Z, mask=mask)
-
-    write(hole.astype(dtype))
-    assert is_map(heights(f"z.{kind}", **KEYS), with_hole())
-    for wrong in (hole.T.astype(dtype), hole[0].astype(dtype), 0.3 * Z):
-        write(wrong)
-        with refused("mask"):
-            heights(f"z.{kind}", **KEYS)
-
-
 # Decreasing coordinates
 
 

@@ -1,7 +1,7 @@
 """Two scans with different points, sizes and positions are added on the points of the finer one, in
 the window that both cover."""
 
-from math import ceil, gcd
+from math import gcd
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +16,6 @@ from hpc_gfmd.scene import File, Scene
 from hpc_gfmd.surface.topography import open_topography
 
 NOT_MIRRORED = {"mirrored": "none"}
-
-
-def wave(n, spacings, x0=0.0, y0=0.0):
-    """cos(x) cos(y/2) + x/9 on n points from (x0, y0)."""
-    x, y = (start + a * np.arange(k) for start, k, a in zip((x0, y0), n, spacings))
-    return np.outer(np.cos(x) + x / 9, np.cos(y / 2))
 
 
 def two_random_maps(*shapes):
@@ -64,22 +58,6 @@ def test_all_ratios_of_spacings():
                 end = min(a * (first - 1), second - 1 + shift[axis])
                 covered = (end - begin) / fine
                 assert covered - 2 < surface.heights.shape[axis] - 1 <= covered + 1e-9
-
-
-def test_all_ratios_of_points_in_a_period():
-    """One wave on 24 p and 24 q points, shifted: the sum is the sum of two cosines."""
-    for p, q in RATIOS:
-        waves = [
-            np.outer(np.cos(2 * np.pi * np.arange(24 * k) / (24 * k)), np.ones(3)) for k in (p, q)
-        ]
-        scans = [hpc_gfmd.prepare_surface(z, boundary="periodic") for z in waves]
-        for shift in (0.0, 0.25, 1 / 7):
-            surface = hpc_gfmd.combine_surfaces(*scans, shift=(shift, 0), **NOT_MIRRORED)
-            n = 24 * max(p, q)
-            x = np.arange(n) / n
-            begin = 0.0 if p >= q else ceil(-shift * n - 1e-3) / n + shift
-            exact = np.cos(2 * np.pi * (x + begin)) + np.cos(2 * np.pi * (x + begin - shift))
-            assert np.allclose(surface.heights[:, 1], exact, rtol=0, atol=3e-5), (p, q, shift)
 
 
 def test_periodic_scans():
