@@ -163,23 +163,17 @@ def run(words, ranks=None, cwd=None, **settings):
     return Job(words, ranks, cwd, **settings).end(PATIENCE)
 
 
-EIGHT = [round(0.02 * 1.2**i, 6) for i in range(8)]
+LOADS = [round(0.02 * 1.2**i, 6) for i in range(5)]
 
 
-def write_scene(
-    folder=Path(), lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",), hardness=None
-):
-    """Write scene.toml of a sweep, with a hardness of a history, and return the path of its
-    result."""
-    dents = {"material": {"hardness": hardness}} if hardness else {}
-    load = {"p_star": list(loads), "history": hardness is not None}
+def write_scene(folder=Path(), lam=32, loads=LOADS, residual=1e-8):
+    """Write scene.toml of a sweep and return the path of its result."""
     (folder / "scene.toml").write_text(
         scene_text(
             (2, lam, 2),
-            load=load,
+            load={"p_star": list(loads)},
             solver={"residual": residual, "precision": "double"},
-            output={"path": "out.h5", "fields": list(fields)},
-            **dents,
+            output={"path": "out.h5", "fields": ["gap"]},
         )
     )
     return folder / "out.h5"

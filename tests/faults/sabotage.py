@@ -6,7 +6,6 @@ program has no hooks for faults.
 
 import os
 import pkgutil
-import resource
 import shutil
 import sys
 import time
@@ -66,19 +65,6 @@ def nan(count, value="nan"):
     Bpx.step = lambda self: (spoiled if self.N == 128 * 128 else step)(self)  # not on coarser grids
 
 
-def limit(mebibytes):
-    """Limit the additional address space once the program makes the surface."""
-    from hpc_gfmd.runs import in_memory
-
-    def shrink(go_on, _):
-        with open("/proc/self/statm") as file:
-            used = int(file.read().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (used + int(mebibytes) * 2**20,) * 2)
-        return go_on()
-
-    in_memory.build_surface = after(in_memory.build_surface, 1, shrink)
-
-
 def slow(seconds):
     """Delay every sync to the disk, so that a run mostly writes."""
     fsync = os.fsync
@@ -124,30 +110,7 @@ def unforeseen():
     shutil.disk_usage = lambda _: shutil._ntuple_diskusage(2**50, 0, 2**50)
 
 
-def vanish(folder):
-    """Delete a folder when the third load is about to be written."""
-    from hpc_gfmd.output.record import RunFile
-
-    RunFile.write_step = after(
-        RunFile.write_step, 3, lambda go_on, _: shutil.rmtree(folder) or go_on()
-    )
-
-
-def lag(seconds, flag):
-    """Delay the run before it listens to signals; the file FLAG-PID is created then."""
-    from hpc_gfmd.runs import simulation
-
-    def wait(go_on, _):
-        Path(f"{flag}-{os.getpid()}").touch()
-        time.sleep(float(seconds))
-        return go_on()
-
-    simulation.surfaces_of_scene = after(simulation.surfaces_of_scene, 1, wait)
-
-
-FAULTS = {
-    fault.__name__: fault for fault in (nan, limit, slow, hold, unreserved, unforeseen, vanish, lag)
-} | {
+FAULTS = {fault.__name__: fault for fault in (nan, slow, hold, unreserved, unforeseen)} | {
     # an error while the surface is made, in the middle of a solve, in an allocation, and while the
     # rows of this rank are written
     "surface": raised("runs.in_memory", "build_surface", RuntimeError("sabotage")),

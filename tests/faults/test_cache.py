@@ -7,7 +7,6 @@ import pickle
 import shutil
 import sys
 import tempfile
-from itertools import cycle
 
 import pytest
 from faults.test_readers import EDITS, changed
@@ -147,21 +146,6 @@ wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=1, lam_l_ove
                              lam_s_over_a=2, seed=1)
 print(hpc_gfmd.solve(wall, 0.1, accuracy=1e-2).a_r.hex())
 """
-
-
-@pytest.mark.slow
-def test_a_solve_with_all_caches_damaged(tmp_path):
-    """The result is that with an empty cache."""
-    env = environment(HPC_GFMD_CACHE=str(tmp_path / "cache"))
-    env.pop("NUMBA_CACHE_DIR", None)
-    expected = python(None, ["-c", SOLVE], env)
-    assert expected.returncode == 0, expected.stderr
-    files = [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
-    assert len(files) > 20
-    for damage, path in zip(cycle(DAMAGE.values()), files):
-        path.write_bytes(damage(path.read_bytes()))
-    completed = python(None, ["-c", SOLVE], env)
-    assert (completed.returncode, completed.stdout) == (0, expected.stdout), completed.stderr
 
 
 WITHOUT_A_NAME = """

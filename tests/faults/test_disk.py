@@ -1,7 +1,6 @@
 """Full, read-only or missing disks: one line, a nonzero exit code, and a restart afterwards."""
 
 import subprocess
-from pathlib import Path
 
 import pytest
 from faults.jobs import assert_resumes, call, needs_mpi, run, write_scene
@@ -62,17 +61,3 @@ def test_read_only(small_disk, ranks):
     job = call("run scene.toml -q", ranks, disk)
     assert job.code == 2
     job.says("output.path: cannot write to .*: Read-only file system")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("ranks", [None, SEVERAL])
-@pytest.mark.parametrize("folder", ["folder/out.h5.partial", "folder"])
-def test_folder_vanished(folder, ranks):
-    """It vanishes when the third load is about to be written: the run ends and does not hang."""
-    Path("folder").mkdir()
-    path = write_scene(Path("folder"))
-    words = f"run {path.parent}/scene.toml -q -o {path}"
-    job = run(words, ranks, fault=f"vanish 0 {folder}")
-    assert job.code == 1
-    job.says(r"writing .*out\.h5: .*No such file or directory")
-    assert not path.exists()

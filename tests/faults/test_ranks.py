@@ -58,17 +58,6 @@ def test_not_a_number(value, precision):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ranks", [None, RANKS])
-def test_address_space(ranks):
-    """ulimit -v is reached while the run allocates its memory."""
-    path = write_scene(lam=256, loads=[0.1])
-    job = run("run scene.toml", ranks, fault="limit -1 8")
-    assert job.code not in (0, 3), job.err
-    job.says("out of memory|GiB|failed to map|cannot allocate")
-    assert not path.exists()
-
-
-@pytest.mark.slow
 def test_memory_limit_at_start():
     """ulimit -v is checked before anything is computed."""
     path = write_scene(lam=2048, loads=[0.1])

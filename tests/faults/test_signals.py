@@ -3,7 +3,6 @@ result."""
 
 import signal
 import time
-from pathlib import Path
 
 import pytest
 from faults.jobs import Job, assert_resumes, loads_in, needs_mpi, write_scene
@@ -66,17 +65,3 @@ def test_twice(undisturbed):
     assert job.code != 0
     assert not path.exists()
     assert_resumes(path, undisturbed(2), 2)
-
-
-@pytest.mark.slow
-@needs_mpi
-def test_one_rank_at_start():
-    """A rank that is stopped before the run begins must not make the others wait."""
-    path = write_scene()
-    job = Job("run scene.toml", 2, fault="lag -1 30 begun")
-    assert job.wait_for(lambda: any(Path().glob("begun-*"))), job.end().err
-    flag = next(Path().glob("begun-*"))
-    job.kill(signal.SIGINT, int(flag.name.removeprefix("begun-")))
-    job.end()
-    assert job.code != 0
-    assert not path.exists()

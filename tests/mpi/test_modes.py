@@ -7,7 +7,6 @@ from contacts import random_heights
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
 SPECTRUM = {"kind": "spectrum", "n": [36, 20], "physical_sizes": [2.0, 1.0], "seed": 5}
@@ -43,12 +42,3 @@ def test_wall_of_coefficients_is_the_map_on_any_number_of_ranks(comm, shared_pat
     )
     gap = (z.max() - z)[slice(*made.rows)]
     assert made.h * made.height_unit == pytest.approx(gap, abs=1e-13)
-
-
-def test_a_bad_table_is_refused_on_all_ranks(comm, shared_path):
-    path = shared_path / "spectrum.csv"
-    if comm.rank == 0:
-        path.write_text("q (1/length), C (length^4)\n4,1\n3,1\n")
-    comm.barrier()
-    with pytest.raises(SceneError, match="found q = 4 and then 3 in row 2"):
-        surface({"path": str(path)}, comm)

@@ -77,26 +77,6 @@ def test_full_contact_needs_no_iteration():
     assert np.ptp(change) < 1e-12 * above.p_mean
 
 
-def test_start_from_a_stored_gap(nested_starts):
-    """The gap keeps its precision; earlier iterations and pairs are counted."""
-    sweep = sweep_of(SURFACE, **EXACT)
-    p_mean = P * sweep.surface.g_rms
-    stopped = sweep.solve(p_mean, lambda iterations, progress: iterations == 3)
-    assert stopped.status == "interrupted"
-    gap = stopped.g.copy()
-    unfinished = Unfinished(gap, stopped.p_mean, stopped.iterations, stopped.pairs)
-    whole = sweep_of(SURFACE, **EXACT).solve(p_mean)
-    del nested_starts[:]
-    contact = sweep_of(SURFACE, **EXACT).solve(p_mean, unfinished=unfinished)
-    assert nested_starts == []
-    assert contact.status == "converged"
-    assert contact.gap_mean == pytest.approx(whole.gap_mean, rel=1e-10)
-    assert contact.iterations > stopped.iterations
-    assert contact.pairs > stopped.pairs
-    single = sweep_of(SURFACE, accuracy=1e-3).solve(p_mean, unfinished=unfinished)
-    assert single.g.dtype == np.float64  # as in the stopped run
-
-
 @pytest.mark.parametrize("hardness", [None, 0.3])
 def test_a_solved_gap_is_certified_and_needs_no_iterations(hardness):
     def make():
@@ -151,13 +131,6 @@ def test_double_precision_goes_on_from_the_gap_of_single_precision(nested_starts
     assert (single.g.dtype, both.g.dtype) == (np.float32, np.float64)
     assert both.status == "converged"
     assert both.pairs == single.pairs + 1  # its certificate
-
-
-def test_sweeps_stay_in_double_precision():
-    sweep = sweep_of(rough((2, 16, 2)), accuracy=4e-3)
-    g_rms = sweep.surface.g_rms
-    dtypes = [sweep.solve(p * g_rms).g.dtype for p in (0.3, 1e-4, 0.3)]
-    assert dtypes == [np.float32, np.float64, np.float64]
 
 
 def test_heights_that_change_during_a_run_are_refused(tmp_path):

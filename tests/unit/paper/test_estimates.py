@@ -15,7 +15,6 @@ from hpc_gfmd import SceneError
 
 pytestmark = pytest.mark.slow
 LOW = PRESSURES["low"]
-SURFACE = Case(0.8, 2, 64, 2, 1, (LOW,))
 
 
 def ratios(level, hurst):
@@ -62,21 +61,6 @@ def test_fit_recovers_planted_coefficients():
     assert (gap.limit, "limit" in gap.names) == (0, False)
     assert abs(gap.C["f"] - GAP["C_f"] / (1 + LOW)) < 4 * gap.sigma["C_f"]
     assert abs(gap.alpha["f"] - GAP["alpha_f"]) < 4 * gap.sigma["alpha_f"]
-
-
-def test_local_exponents_of_a_series():
-    for row in estimates.local_exponents(desk(scatter=0.0), "kappa", "desk"):
-        assert row["alpha"] == pytest.approx(LAW["alpha_c"], abs=1e-6)
-        assert 0 < row["alpha_se"] < 0.02
-    cases = [replace(SURFACE, lam_l_over_lam_s=128, lam_s_over_a=c) for c in (2, 4, 8)]
-    turning = {2: 2.1, 4: 2.0, 8: 2.05}
-    runs = runs_of(cases, kappa=lambda case, *_: (turning[case.lam_s_over_a],) * 2)
-    (row,) = estimates.local_exponents(runs, "kappa", "desk")
-    assert row["alpha"] is None
-    rows = [{"x": x, "y": 3 * x**0.4, "y_se": 0.01} for x in (1.0, 2.0, 4.0)]
-    exponent, sigma = estimates.power_law(rows, "x", "y")
-    assert (exponent, sigma > 0) == (pytest.approx(0.4, abs=1e-9), True)
-    assert estimates.power_law(rows[:2], "x", "y") == (None, None)
 
 
 @pytest.mark.parametrize(("alpha", "agrees"), [(1.0, True), (0.5, False)])

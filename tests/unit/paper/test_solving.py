@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from paper import __main__ as command
 from paper import solve
-from paper.cases import CATALOGUE, LEVELS, Case, Store, cases_of, merged, series, share
-from paper.items import STUDIES, TEXTS
+from paper.cases import Case, Store, cases_of, merged, share
+from paper.items import TEXTS
 from refusal import refused
 from scene_tables import rows
 
@@ -116,23 +116,6 @@ def test_cases_are_merged_and_shared_evenly():
     assert sorted((c for part in shares for c in part), key=str) == sorted(whole, key=str)
     costs = [sum(case.cost for case in part) for part in shares]
     assert max(costs) - min(costs) <= max(case.cost for case in whole)
-
-
-@pytest.mark.parametrize("level", LEVELS)
-def test_catalogue(level):
-    assert set(STUDIES) == set(TEXTS)
-    assert len(TEXTS) == 23
-    for name, text in TEXTS.items():
-        cases = cases_of(name, level)
-        assert cases
-        assert all(case.n == np.prod(list(case.surface.values())[1:4]) for case in cases)
-        assert text["title"]
-        assert ("question" in text) == (not name.startswith(("fig", "table")))
-    for name in ("eps_c", "eps_f", "eps_t"):
-        cases = series(name, level)
-        ratios = {tuple(case.surface.values())[1:4] for case in cases}
-        assert tuple(CATALOGUE["reference"][level]) in ratios
-        assert {case.hurst for case in cases} == {0.0, 0.3, 0.5, 0.8}
 
 
 @pytest.fixture

@@ -2,12 +2,13 @@
 read something else than was written."""
 
 from io import StringIO
-from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
 from contacts import random_heights
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
 from refusal import refused
 
 from hpc_gfmd.scene import File
@@ -15,23 +16,20 @@ from hpc_gfmd.surface.topography import open_topography
 
 Z = np.round(20 * random_heights((240, 6)), 4)  # more lines than those that decide the layout
 KEYS = {"physical_sizes": (24.0, 0.6)}
-EARLY = [(0, 0), (3, 5)]
-LATE = [(230, 2), (239, 5)]
+LAYOUTS = [(mark, decimal) for mark in [" ", "   ", "\t", ",", ";"] for decimal in ".,"]
+LAYOUTS.remove((",", ","))
 HEADS = {
     "none": "",
     "comment": "# heights\n# of a scan\n",
     "words": "Profiler 3, version 2\nranges: a b\n\n",
-    "names": None,
+    "names": "abcdef",
     "percent": "% heights in nm\n",
 }
+ENCODINGS = ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1", "cp1252"]
 
 
-def numpy_reads(text, mark, decimal, missing):
-    """Heights by numpy.genfromtxt."""
-    plain = text.replace(decimal, ".") if decimal == "," else text
-    for token in missing:
-        plain = plain.replace(token, "nan")
-    return np.genfromtxt(StringIO(plain), delimiter=None if mark in (" ", "   ") else mark)
+def opened(path):
+    return open_topography(File(kind="file", path=path, **KEYS))
 
 
 def body(mark, decimal, form, holes, token):
@@ -42,39 +40,28 @@ def body(mark, decimal, form, holes, token):
     return "\n".join(mark.join(row) for row in rows) + "\n"
 
 
-LAYOUTS = [
-    (mark, decimal)
-    for mark, decimal in product([" ", "   ", "\t", ",", ";"], [".", ","])
-    if mark != decimal
-]
-VARIANTS = [
-    *((*layout, "none", "utf-8", "\n", ".4f", ()) for layout in LAYOUTS),
-    *((*layout, "none", "utf-8", "\n", ".4f", EARLY) for layout in LAYOUTS),
-    *((*layout, "none", "utf-8", "\n", ".4f", LATE) for layout in LAYOUTS),
-    *((*LAYOUTS[k % 8], head, "utf-8", "\n", ".6e", LATE) for k, head in enumerate(HEADS)),
-    *((*LAYOUTS[(3 * k) % 8], head, "latin-1", "\r\n", ".17g", ()) for k, head in enumerate(HEADS)),
-    *(
-        (*LAYOUTS[(5 * k) % 8], "comment", encoding, "\n", "g", EARLY)
-        for k, encoding in enumerate(["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
-    ),
-    *((*LAYOUTS[(5 * k) % 8], "none", "ascii", end, "10.3f", LATE) for k, end in enumerate("\r\n")),
-]
-
-
-@pytest.mark.parametrize("variant", VARIANTS)
-@pytest.mark.parametrize("token", ["nan", "***"])
-def test_layouts_against_numpy(variant, token):
-    mark, decimal, head, encoding, end, form, holes = variant
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    st.sampled_from(LAYOUTS),
+    st.sampled_from(list(HEADS)),
+    st.sampled_from(ENCODINGS),
+    st.sampled_from(["\n", "\r\n", "\r"]),
+    st.sampled_from([".4f", ".6e", ".17g", "g", "10.3f"]),
+    st.sampled_from([(), [(0, 0), (3, 5)], [(230, 2), (239, 5)]]),
+    st.sampled_from(["nan", "***"]),
+)
+@example(("\t", ","), "names", "utf-16-be", "\r\n", ".17g", [(0, 0), (3, 5)], "***")
+def test_layouts_against_numpy(layout, head, encoding, end, form, holes, token):
+    """Marks, decimal commas, heads, encodings, ends of lines, formats of numbers and holes."""
+    mark, decimal = layout
     numbers = body(mark, decimal, form, holes, token)
-    title = (
-        HEADS[head]
-        if HEADS[head] is not None
-        else (mark if mark.strip() else "\t").join("abcdef") + "\n"
-    )
-    text = (title + numbers).replace("\n", end)
-    Path("z.txt").write_bytes(text.encode(encoding))
-    topography = open_topography(File(kind="file", path="z.txt", **KEYS))
-    wanted = numpy_reads(numbers, mark, decimal, [token])
+    title = HEADS[head]
+    if head == "names":
+        title = (mark if mark.strip() else "\t").join(title) + "\n"
+    Path("z.txt").write_bytes((title + numbers).replace("\n", end).encode(encoding))
+    topography = opened("z.txt")
+    plain = numbers.replace(decimal, ".").replace(token, "nan")
+    wanted = np.genfromtxt(StringIO(plain), delimiter=None if set(mark) == {" "} else mark)
     assert np.isnan(wanted).sum() == len(holes)
     assert np.array_equal(topography.rows(0, topography.n[0]), wanted, equal_nan=True)
 
@@ -84,15 +71,7 @@ def test_quoted_numbers_with_decimal_commas(mark):
     """The format of spreadsheets."""
     rows = [[f'"{z:.4f}"'.replace(".", ",") for z in row] for row in Z]
     Path("z.csv").write_text("\n".join(mark.join(row) for row in rows))
-    topography = open_topography(File(kind="file", path="z.csv", **KEYS))
-    assert np.array_equal(topography.rows(0, 240), Z)
-
-
-def damaged(line, change):
-    """The heights as text with one changed line."""
-    lines = body("\t", ".", ".4f", (), "").splitlines()
-    lines[line] = change(lines[line])
-    return "\n".join(lines) + "\n"
+    assert np.array_equal(opened("z.csv").rows(0, 240), Z)
 
 
 DAMAGE = {
@@ -111,11 +90,12 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGE)
 @pytest.mark.parametrize("line", [2, 150, 238])
-def test_damage_is_refused(damage, line):
+def test_damage_is_refused(line):
     """In early, middle and late lines."""
-    Path("z.txt").write_text(damaged(line, DAMAGE[damage]))
-    with refused("surface.path"):
-        topography = open_topography(File(kind="file", path="z.txt", **KEYS))
-        topography.rows(0, topography.n[0])
+    for change in DAMAGE.values():
+        lines = body("\t", ".", ".4f", (), "").splitlines()
+        lines[line] = change(lines[line])
+        Path("z.txt").write_text("\n".join(lines) + "\n")
+        with refused("surface.path"):
+            opened("z.txt").rows(0, 239)
