@@ -40,8 +40,8 @@ def _doubt(contact: Any) -> str | None:
         return "separated: the bodies are too far apart for the attraction to hold them"
     if points == 0 and contact.p_mean == 0 and contact.attraction is None:
         return "no load: nothing touches"
-    if contact.g_rms == 0 and not contact.grid.padded:
-        return "flat surface: every point touches at any load"
+    if contact.g_rms == 0 and points == contact.N:
+        return "flat surface: every point touches at any load, and p* has no value, as g_rms is 0"
     if points == contact.N:
         return "full contact: every point touches, the gap is zero"
     if points < TOUCHING:

@@ -109,7 +109,7 @@ class Ensemble:
 
     def leak_rate(
         self,
-        viscosity: float,
+        viscosity: float | str,
         pressure_drop: float | str,
         width: float | str = 1.0,
         length: float | str = 1.0,

@@ -219,7 +219,7 @@ class Solved:
 
     def leak_rate(
         self,
-        viscosity: float,
+        viscosity: float | str,
         pressure_drop: float | str,
         width: float | str = 1.0,
         length: float | str = 1.0,
@@ -233,8 +233,8 @@ class Solved:
 
         Parameters
         ----------
-        viscosity : float
-            Viscosity of the fluid, in Pa s.
+        viscosity : float or str
+            Viscosity of the fluid, in Pa s, or as "1 mPa s".
         pressure_drop : float or str
             Pressure drop of the fluid over the seal, in Pa, or as "1 bar".
         width, length : float or str
@@ -260,9 +260,10 @@ class Solved:
         if axis not in ("x", "y"):
             raise SceneError(f'axis: found {axis!r}, allowed: "x" or "y"')
         critical_gap = self._get(f"critical_gap_{axis}")
+        eta = _number("viscosity", viscosity, "viscosity")
         drop = _number("pressure_drop", pressure_drop, "pressure")
         extents = _number("width", width, "length"), _number("length", length, "length")
-        rate = leak_rate(critical_gap, viscosity, drop, *extents)
+        rate = leak_rate(critical_gap, eta, drop, *extents)
         return float(rate) if rate.ndim == 0 else rate
 
     def leak_rate_error(self, axis: str = "x") -> Any:

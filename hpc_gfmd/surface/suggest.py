@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..parallel.comm import SerialComm
 from ..scene import File
 from ..scene.surface import CHOICES_TEXT
 from ..scene.template import Suggestion
@@ -15,6 +16,7 @@ from ..util.lengths import length_factor
 from ..util.quantities import prefixed
 from . import instruments
 from .bandwidth import bandwidth_line
+from .build import build_surface
 from .contents import contents_of
 from .doubtful_numbers import slope_notes
 from .files import open_map
@@ -202,14 +204,15 @@ def _by_heights(
     """
     values = result.values
     why = result.why
-    plain: dict[str, object] = {"radius": None, "refine": 1, "downsample": 1, "fill": "harmonic"}
+    to_read: dict[str, object] = {"fill": "harmonic"}
+    if result.missing:
+        to_read |= {"physical_sizes": metadata.sizes or (1.0, 1.0), "xy_unit": None, "crop": None}
+    plain: dict[str, object] = {"radius": None, "refine": 1, "downsample": 1}
     if "boundary" not in user_keys:
         plain["boundary"] = "periodic"
-    if result.missing:
-        plain |= {"physical_sizes": metadata.sizes or (1.0, 1.0), "xy_unit": None, "crop": None}
 
     def prepared_map() -> tuple[Topography, MapQuality, Edges]:
-        spec = make(values | plain)
+        spec = make(values | to_read | plain)
         heights = prepare(open_topography(spec), spec, look=True)
         return heights, map_quality(heights), map_edges(heights)
 
@@ -251,14 +254,15 @@ def _by_heights(
             " high pressure at its edges, and nothing beyond them that bears load",
             'boundary = "periodic" would repeat the map and press the step at its edges, too',
         ]
-    scale, name = prefixed([quality.h_rms], heights.unit)
+    pressed = build_surface(make({"boundary": "periodic"} | values | to_read), SerialComm(), float)
+    scale, name = prefixed([pressed.h_rms], heights.unit)
     result.about.append(
-        f"h_rms = {quality.h_rms / scale:.3g} {name}".strip()
-        + ("" if result.missing else f", g_rms = {quality.g_rms:.3g}")
+        f"h_rms = {pressed.h_rms / scale:.4g} {name}".strip()
+        + ("" if result.missing else f", g_rms = {pressed.g_rms:.4g}")
     )
-    if not result.missing:
+    if pressed.g_rms > 0 and not result.missing:
         z = heights.heights()
         result.about += filter(None, [bandwidth_line(z, heights.sizes, heights.unit)])
     result.about += [note for note in _not_on_reading(heights) if note not in result.about]
     if not result.missing:
-        result.about += map(str, slope_notes(quality.g_rms, measured=True))
+        result.about += map(str, slope_notes(pressed.g_rms, measured=True))

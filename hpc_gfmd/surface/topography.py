@@ -31,36 +31,32 @@ class Topography:
 
     n: tuple[int, ...]
     # (L_x, L_y), in m if `unit` is "m"
-    sizes: tuple[float, ...]  # (L_x, L_y), in m if `unit` is "m"
-    # rows(start, stop) reads heights: float64, (stop - start, n_y), nan where one is missing. Peaks
-    # are up; x and y rise.
+    sizes: tuple[float, ...]
     # rows(start, stop) reads heights: float64, (stop - start, n_y), nan where one is missing. Peaks
     # are up; x and y rise.
     rows: Rows
     # "m", or "" if sizes and heights have no unit
-    unit: str = ""  # "m", or "" if sizes and heights have no unit
+    unit: str = ""
     # True if the file says so; None if it is not known
-    periodic: bool | None = None  # True if the file says so; None if it is not known
+    periodic: bool | None = None
     # of the file, for messages
-    path: object = None  # of the file, for messages
+    path: object = None
     # number of points that had no height and were filled
-    filled: int = 0  # number of points that had no height and were filled
+    filled: int = 0
     # takes a length without a unit in the scene to the unit of `sizes`
-    plain: float = 1.0  # takes a length without a unit in the scene to the unit of `sizes`
+    plain: float = 1.0
     # unit of such lengths, "" if it is not known
-    plain_unit: str = ""  # unit of such lengths, "" if it is not known
-    # Position of the first point, in the unit of `sizes`; only used to place two scans.
+    plain_unit: str = ""
     # Position of the first point, in the unit of `sizes`; only used to place two scans.
     origin: tuple[float, float] = (0.0, 0.0)
     # the two scans of which it is the sum, see `combined`
-    bodies: "tuple[Topography, ...]" = ()  # the two scans of which it is the sum, see `combined`
+    bodies: "tuple[Topography, ...]" = ()
     # what the file says
-    metadata: Metadata = field(default_factory=Metadata)  # what the file says
+    metadata: Metadata = field(default_factory=Metadata)
     # whether `rows` reads from the file no more than these rows
-    by_rows: bool = False  # whether `rows` reads from the file no more than these rows
+    by_rows: bool = False
     # what was done to the heights, a line each
-    prepared: tuple[str, ...] = ()  # what was done to the heights, a line each
-    # remarks for the user; a ReadingWarning says how the heights were read
+    prepared: tuple[str, ...] = ()
     # remarks for the user; a ReadingWarning says how the heights were read
     notes: tuple[SurfaceWarning, ...] = ()
 

@@ -1,5 +1,5 @@
 """Numbers with units: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are
-numbers in SI units. Lengths are read by util/lengths.py, pressures and forces by pint."""
+numbers in SI units. Lengths are read by util/lengths.py, all others by pint."""
 
 import difflib
 import re
@@ -11,19 +11,27 @@ from typing import Any
 from .errors import one_line
 from .lengths import length_factor
 
-SI = {"length": "m", "pressure": "Pa", "force": "N", "work": "J/m^2", "time": "s"}
+SI = {
+    "length": "m",
+    "pressure": "Pa",
+    "force": "N",
+    "work": "J/m^2",
+    "time": "s",
+    "viscosity": "Pa*s",
+}
 USUAL = {  # suggested for misspelt units
     "length": ("m", "mm", "um", "nm", "pm"),
     "pressure": ("Pa", "kPa", "MPa", "GPa", "bar", "N/mm^2"),
     "force": ("N", "uN", "nN", "mN", "kN"),
     "work": ("J/m^2", "mJ/m^2", "N/m", "mN/m"),
     "time": ("s", "ms", "min", "h"),
+    "viscosity": ("Pa s", "mPa s", "cP"),
 }
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?!.*,).*")
 NO_COMMA = "decimals have a point, not a comma"
 # Only text of this form is passed to pint, which would also evaluate formulas.
 _FACTOR = r"[A-Za-zµμÅ]+(?:(?:\^|\*\*)?-?[1-9])?"
-_UNIT = re.compile(rf"{_FACTOR}(?: ?[/*] ?{_FACTOR}){{0,3}}")
+_UNIT = re.compile(rf"{_FACTOR}(?:(?: ?[/*·] ?| ){_FACTOR}){{0,3}}")
 _QUANTITY = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*({_UNIT.pattern})\s*")
 
 
@@ -34,8 +42,7 @@ class Quantity(float):
 
 
 def parse(text: str, dimension: str) -> Quantity:
-    """Convert a text such as "100 um" to the SI unit of "length", "pressure", "force", "work" or
-    "time".
+    """Convert a text such as "100 um" to the SI unit of a dimension, one of those in SI.
 
     Raises ValueError if it is not a number with a unit of this dimension.
     """

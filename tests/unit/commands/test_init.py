@@ -220,3 +220,13 @@ def test_help_describes_every_key():
                 if key != "kind":
                     assert f"| `{key}` | {item.description} | " in page
                     assert item.json_schema_extra["allowed"] in page
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "mirror", "free"])
+def test_init_and_run_give_the_same_slope(cli, boundary):
+    """Whatever is beyond the edges; a jump there is part of what is pressed."""
+    np.savez("map.npz", z=PART, physical_sizes=[1.0, 1.0], unit="mm")
+    text = cli.prints(f"init map.npz --set surface.boundary={boundary} --set surface.detrend=tilt")
+    (slope,) = re.findall(r"g_rms = ([\d.]+)$", text, re.MULTILINE)
+    surface = hpc_gfmd.read_surface("map.npz", boundary=boundary, detrend="tilt")
+    assert float(slope) == pytest.approx(hpc_gfmd.solve(surface, 1.0, 1.0).g_rms, rel=1e-3)

@@ -70,7 +70,10 @@ def test_notes_of_solutions(z):
     assert "points touch" in hpc_gfmd.solve(z, 1e-4).note
     assert "1 point touches" in hpc_gfmd.solve(z, 1e-9).note
     assert "full contact" in hpc_gfmd.solve(z, 5.0).note
-    assert "flat surface" in hpc_gfmd.solve(np.full((8, 8), 3.0), 5.0).note
+    for shape in ((8, 8), (1, 8), (1, 1)):
+        for boundary in ("periodic", "free"):
+            flat = hpc_gfmd.solve(np.full(shape, 3.0), 5.0, boundary=boundary)
+            assert "p* has no value" in flat.note
 
 
 @pytest.mark.parametrize(

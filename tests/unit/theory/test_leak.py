@@ -33,8 +33,9 @@ def test_a_seal_leaks_less_with_load_and_closes():
     critical = loads[0].value("critical_gap_y")
     expected = 3 * critical**3 * 1e5 / 12e-3
     assert loads[0].leak_rate(1e-3, 1e5, width=3.0, axis="y") == pytest.approx(expected)
-    in_units = loads[0].leak_rate(1e-3, "1 bar", width="30 cm", length="10 cm", axis="y")
-    assert in_units == pytest.approx(expected)
+    for viscosity in ("1 mPa s", "1 mPa*s", "1e-3 N s/m^2", "1 cP"):
+        in_units = loads[0].leak_rate(viscosity, "1 bar", width="30 cm", length="10 cm", axis="y")
+        assert in_units == pytest.approx(expected)
     first, _, last = loads.leak_rate_error()
     gap_error = loads[0].gap_error + loads[0].value("gap_discretisation")
     assert first == pytest.approx(
@@ -43,5 +44,7 @@ def test_a_seal_leaks_less_with_load_and_closes():
     assert last == np.inf
     with pytest.raises(SceneError, match=r"pressure_drop: found '1 mm', .* length, not of"):
         loads.leak_rate(1e-3, "1 mm")
+    with pytest.raises(SceneError, match=r"viscosity: found '1 mPa', .* pressure, not of"):
+        loads.leak_rate("1 mPa", "1 bar")
     with pytest.raises(SceneError, match="axis"):
         loads.leak_rate(1e-3, 1e5, axis="z")
