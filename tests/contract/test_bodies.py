@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 from transfers import compliance_times, interpolation, matrix, stiffness_times
 
 from hpc_gfmd.bodies import body_classes, body_of
-from hpc_gfmd.bodies.base import SQRT2, Body
+from hpc_gfmd.bodies.base import SQRT2
 from hpc_gfmd.operators.elastic import Elastic
 from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.grid import Grid
@@ -105,25 +105,6 @@ def test_short_waves_see_a_half_space(body):
     """K -> |q|/2 for waves much shorter than the dimensions of the body."""
     q = np.array([1.0, 3.0])
     assert body.stiffness(q, 1e-3) == pytest.approx(q / 2, rel=1e-2)
-
-
-@pytest.mark.quick
-@every_body
-def test_table_of_multipliers_agrees_with_the_body(body):
-    """A table of K on the local columns multiplies as the body itself does."""
-    grid = Grid((24, 20))
-    fft = grid.fft(np.float64)
-    q = body.waves(grid, grid.q_x, grid.column_tables(fft)[0])
-    table = Body.make_multipliers(body, grid, fft, q)
-    on_the_fly = body.multipliers(grid, fft)
-    block = np.random.default_rng(2).standard_normal((fft.W, 2 * 24)).view(complex)
-    for inverse in (False, True):
-        by_table = block.copy()
-        by_body = block.copy()
-        assert table.multiply(by_table, 0, inverse) == pytest.approx(
-            on_the_fly.multiply(by_body, 0, inverse), rel=1e-12
-        )
-        assert np.allclose(by_table, by_body, rtol=1e-12, atol=1e-15)
 
 
 def test_exactly_one_body_serves_a_material():

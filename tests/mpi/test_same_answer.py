@@ -4,10 +4,9 @@ from dataclasses import replace
 from functools import partial
 from math import inf
 
-import h5py
 import numpy as np
 import pytest
-from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
+from contacts import random_heights, rough, sweep_of, sweep_over
 from mpi.same import Alone, assert_same, compare, every_size, sweeps
 
 import hpc_gfmd
@@ -159,31 +158,6 @@ def test_every_solver(comm, name):
 )
 def test_analytic_surfaces(comm, surface):
     compare(comm, surface, 0.01)
-
-
-@pytest.mark.parametrize("file", ["z.npy", "z.h5"])
-def test_height_map(comm, shared_path, file):
-    """A file, which every rank reads, gives the solution of the array."""
-    n = (37, 30)
-    path = shared_path / file
-    z = random_heights(n, seed=5)
-    if comm.rank == 0 and file == "z.npy":
-        np.save(path, z)
-    elif comm.rank == 0:
-        with h5py.File(path, "w") as file_out:
-            file_out["a/heights"] = z
-    comm.barrier()
-    surface = {
-        "kind": "file",
-        "path": str(path),
-        "dataset": "a/heights",
-        "physical_sizes": [2.0, 1.5],
-    }
-    assert_same(
-        comm,
-        sweep_of(surface, 3.0, comm, **EXACT).solve(0.7),
-        Alone(comm, lambda: sweep_over(z, (2.0, 1.5), E_star=3.0)).solve(0.7),
-    )
 
 
 def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):

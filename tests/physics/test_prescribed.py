@@ -14,7 +14,6 @@ from scene_tables import rows
 import hpc_gfmd
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.quantities import Area
 from hpc_gfmd.scene import LoadTable, Material
 from hpc_gfmd.solvers import solver_names
 
@@ -366,17 +365,6 @@ free | gap_mean = 0.5 | found a flat surface
 def test_impossible_values(surface, load, words):
     with refused(f"^load.{load.partition(' ')[0]}: {words}"):
         sweep_of(SURFACES[surface], **EXACT).loads(LoadTable(**tomllib.loads(load)))
-
-
-def test_an_area_far_from_earlier_ones():
-    """Two similar loads say nothing about the other end of the curve, where a_r is about 2 p*."""
-    sweep = sweep_over(random_heights((100, 100), seed=4), accuracy=1e-3)
-    near = [
-        {"p0": np.exp(x), "a_r": area, "gap_mean": 1.0, "approach": 1.0}
-        for x, area in ((0.40, 0.9990), (0.44, 0.9991))
-    ]
-    target = Area(4e-5, 1e-3, True, sweep.working, near)
-    assert abs(np.log(target.p0 / 2e-5)) < 3
 
 
 @pytest.mark.parametrize("hardness", [0.05, 5.0])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contacts import rough_wall
 from refusal import refused
 
 import hpc_gfmd
@@ -68,9 +69,7 @@ def test_any_path_is_balanced_and_does_not_slide(seed):
 
 def test_loads_that_rise_together_do_not_slip():
     """All contact sticks, and the traction is dT/dP times the pressure of new contact."""
-    wall = hpc_gfmd.make_surface(
-        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=2, seed=1
-    )
+    wall = rough_wall((2, 8, 2))
     P = np.array([0.05, 0.1, 0.15])
     T = 0.3 * (P - 0.05)
     path = hpc_gfmd.slip(MU, P, T)
@@ -85,9 +84,7 @@ def test_loads_that_rise_together_do_not_slip():
 
 def test_full_sliding_of_a_periodic_wall():
     """The shift is friction times the compression since the first touch."""
-    wall = hpc_gfmd.make_surface(
-        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=2, seed=1
-    )
+    wall = rough_wall((2, 8, 2))
     path = hpc_gfmd.slip(MU, 0.1, [0.1 * MU], nu=0.3)
     result = path.of(hpc_gfmd.solve(wall, path.loads))
     (solution,) = hpc_gfmd.solve(wall, [0.1])
@@ -115,9 +112,7 @@ def test_refused(arguments, words):
 def test_solutions_of_something_else_are_refused():
     path = hpc_gfmd.slip(MU, "1 MPa", ["0.1 MPa", "0.2 MPa"])
     assert path.loads == ["600000.0 Pa", "800000.0 Pa", "1000000.0 Pa"]
-    wall = hpc_gfmd.make_surface(
-        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=2, seed=1
-    )
+    wall = rough_wall((2, 8, 2))
     with refused("other loads"):
         path.of(hpc_gfmd.solve(wall, ["1 MPa", "2 MPa"], "10 MPa"))
     with refused("material.hardness"):

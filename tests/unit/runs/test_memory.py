@@ -72,12 +72,6 @@ def test_limit_of_the_process(monkeypatch):
     assert_too_little("ulimit -v")
 
 
-def test_ranks_share_the_points():
-    cell = 4096, 4096
-    few, many = (memory.memory_of(SCENE, cell, 8, ranks) - memory.PROCESS_GIB for ranks in (2, 16))
-    assert few == pytest.approx(8 * many, rel=0.1)
-
-
 @pytest.mark.parametrize(
     ("keys", "read", "n"),
     [

@@ -37,13 +37,11 @@ def test_stopped_and_killed_runs(pieces, solver):
         pieces.compare(rel=1e-6)
 
 
-ADHESION = {"adhesion": {"work": 0.0024, "range": 0.0125}}  # the last load pulls too much
-BRANCHES = {
-    "approach": {"p_star": [0.0, 0.02, 0.1], "branch": "approach"},
-    "retraction": {"p_star": [0.3, 0.05, 0.0, -0.002, -0.2], "branch": "retraction"},
-    "cycle": {"p_star": [0.02, 0.3, 0.05, -0.002, 0.1], "history": True},
-    "gaps": {"gap_over_h_rms": [0.5, 1.0, 1.5], "branch": "retraction"},
-}
+def sticky(loads, **settings):
+    """A branch of an adhesive contact; a load of -0.2 pulls the bodies apart."""
+    adhesion = {"adhesion": {"work": 0.0024, "range": 0.0125}}
+    return scene("bpx", loads, material=adhesion, **settings or TIGHT)
+
 
 SWEEPS = {
     "each load": (scene("auto", **TIGHT), 1e-6),
@@ -74,6 +72,13 @@ SWEEPS = {
         ),
         1e-5,
     ),
+    "approach": (sticky({"p_star": [0.0, 0.02, 0.1], "branch": "approach"}), 1e-5),
+    "retraction": (sticky({"p_star": [0.3, 0.0, -0.002, -0.2], "branch": "retraction"}), 1e-5),
+    "cycle": (sticky({"p_star": [0.02, 0.3, 0.05, -0.002, 0.1], "history": True}), 1e-5),
+    "held gaps": (
+        sticky({"gap_over_h_rms": [0.5, 1.0, 1.5], "branch": "retraction"}, accuracy=1e-6),
+        1e-2,
+    ),
     "single until a load with few points": (
         scene("auto", [0.3, 1e-4, 1.2e-4, 1.3e-4], precision="auto", accuracy=1e-3),
         2e-3,
@@ -89,22 +94,6 @@ def test_stops_at_any_point(pieces, name):
     for point in range(1, count, max(1, count // 5)):
         pieces.run(stopped_scene, (point, False))
         pieces.compare(rel)
-
-
-@pytest.mark.parametrize("branch", BRANCHES)
-def test_branches_stop_at_any_point(pieces, branch):
-    """Inside loads and between them, where the last state is solved again."""
-    tight = {"accuracy": 1e-6} if branch == "gaps" else TIGHT
-    stopped_scene = scene("bpx", BRANCHES[branch], material=ADHESION, **tight)
-    count = pieces.undisturbed(stopped_scene)
-    statuses = [step["status"] for step in read_result(pieces.whole).steps]
-    if branch == "retraction":
-        assert statuses == ["converged"] * 4 + ["separated"]
-    else:
-        assert set(statuses) == {"converged"}
-    for point in range(1, count, max(1, count // 8)):
-        pieces.run(stopped_scene, (point, False))
-        pieces.compare(1e-2 if branch == "gaps" else 1e-5)
 
 
 def test_finished_loads_are_not_solved_again(pieces, monkeypatch):

@@ -133,17 +133,6 @@ def test_a_mark_of_missing_points_among_coordinates_is_no_gap():
     assert is_map(heights("z.csv", missing=["1"], **KEYS), z)
 
 
-@pytest.mark.parametrize("corner", ["", "um", "y [um]", "0"])
-def test_coordinates_in_first_line_and_column(corner):
-    """They give sizes if their unit is known."""
-    rows = [[corner, *Y], *([x, *row] for x, row in zip(X, Z))]
-    Path("z.txt").write_text(table_text(rows))
-    topography = opened("z.txt", unit="nm", **({} if "um" in corner else {"physical_sizes": SIZES}))
-    assert is_map(1e9 * topography.rows(0, 12))
-    if "um" in corner:
-        assert topography.sizes == pytest.approx(SIZES)
-
-
 def test_possible_coordinates_need_a_key():
     """A line or column that rises evenly is refused without surface.coordinates; a plane, in which
     all lines do, is heights."""
@@ -415,15 +404,6 @@ def test_packed_integers_of_netcdf(suffix):
     topography = opened(f"z{suffix}")
     assert topography.sizes == pytest.approx(SIZES)
     assert is_map(1e9 * topography.rows(0, 12), with_hole(np.round(Z / 0.0625) * 0.0625))
-
-
-@pytest.mark.parametrize("suffix", [".h5", ".hdf", ".mat", ".h5-jpk"])
-def test_several_maps_need_a_dataset(suffix):
-    with h5py.File(f"z{suffix}", "w") as file:
-        file.update(amplitude=-Z, height=Z, line=np.arange(3.0))
-    with refused("surface.dataset: .*amplitude, height"):
-        heights(f"z{suffix}", **KEYS)
-    assert is_map(heights(f"z{suffix}", dataset="height", **KEYS))
 
 
 @pytest.mark.parametrize(

@@ -73,12 +73,6 @@ def test_self_affine_wall_from_power_laws(lam_l_over_lam_r):
     assert scaled == pytest.approx(made.heights, abs=10 * rounding)
 
 
-def test_same_waves_on_a_finer_grid():
-    coarse = wall((40, 40), **ARRAYS).heights
-    fine = wall((120, 80), **ARRAYS).heights[::3, ::2]
-    assert fine - fine.mean() == pytest.approx(coarse - coarse.mean(), abs=1e-14)
-
-
 def test_a_table_of_profiles_gives_that_of_the_surface():
     """C1(q) = (1/pi) integral of C q'/sqrt(q'^2 - q^2) dq', which is c/(4 q^3) for C = c/q^4."""
     q = np.geomspace(1, 100, 30)
@@ -97,15 +91,6 @@ def test_profiles_of_the_wall_have_the_spectrum_of_the_table():
         power = power + np.mean(np.abs(np.fft.fft(z, axis=0) / 128) ** 2, axis=1) / 20
     k = np.arange(2, 12)  # further on the waves beyond the table lack
     assert power[k] == pytest.approx(np.interp(2 * np.pi * k, q, C1), rel=0.08)
-
-
-def test_moments_of_a_table():
-    q = np.geomspace(1, 50, 4000)
-    C = np.where(q < 5, 1.0, (q / 5) ** -3.6)
-    made = Spectrum(q[[0, *np.flatnonzero(q >= 5)[:1], -1]], C[[0, 0, -1]])
-    for power, value in ((0, made.roughness().h_rms), (2, made.roughness().g_rms)):
-        moment = np.trapezoid(made.at(q) * q ** (1 + power), q) / (2 * np.pi)
-        assert value == pytest.approx(np.sqrt(moment), rel=1e-5)
 
 
 def test_units_of_a_table(tmp_path):
