@@ -51,29 +51,26 @@ def run(args):
 
 
 def draw(path, rows, peers):
-    """Draw time and FFT pairs against the largest error of area, gap and pressure.
+    """Draw FFT pairs against the largest error of area, gap and pressure.
 
     Parameters
     ----------
     path : Path
-        The pictures are written beside this file.
+        The picture is written beside this file.
     rows : list of dict
         Rows of this measurement; those of the largest grid are drawn.
     peers : str
-        File of rows of `bench peers`, which the picture of FFT pairs shows, too; "" for none.
+        File of rows of `bench peers`, which the picture shows, too; "" for none.
     """
     largest = max(row["n"] for row in rows)
     rows = [row for row in rows if row["n"] == largest]
+    rows += rows_of_peers(peers, rows)
     keys = "solver", "start", "precision"
-    for name, cost, drawn in (
-        ("accuracy", "seconds_min", rows),
-        ("accuracy-pairs", "fft_pairs", rows + rows_of_peers(peers, rows)),
-    ):
-        panels = [
-            Panel(members, keys, cost, "error", f"H = {hurst}, p* = {p_star:.3g}")
-            for (hurst, p_star), members in group(drawn, "hurst", "p_star").items()
-        ]
-        picture(path.with_name(f"{name}.png"), panels)
+    panels = [
+        Panel(members, keys, "fft_pairs", "error", f"H = {hurst}, p* = {p_star:.3g}")
+        for (hurst, p_star), members in group(rows, "hurst", "p_star").items()
+    ]
+    picture(path.with_name("accuracy-pairs.png"), panels)
 
 
 def rows_of_peers(path, rows):

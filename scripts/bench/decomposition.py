@@ -148,11 +148,6 @@ class Share:
         nbytes, messages = zip(self.layout.traffic(), self.level_traffic, self.reduction_traffic)
         return sum(nbytes), sum(messages)
 
-    @property
-    def padding(self) -> float:
-        """Number of columns that all ranks store over that of the half spectrum; >= 1."""
-        return float(self.layout.columns_held.sum() / self.layout.n_c)
-
 
 def share_of(
     n: Sequence[int],

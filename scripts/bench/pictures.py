@@ -26,8 +26,6 @@ class Panel(NamedTuple):
         Columns of the axes.
     title : str
         Title of the panel.
-    scale : str
-        "log" or "linear", of both axes.
     """
 
     rows: Sequence[dict]
@@ -35,11 +33,10 @@ class Panel(NamedTuple):
     x: str
     y: str
     title: str = ""
-    scale: str = "log"
 
 
 def picture(path, panels):
-    """Draw panels into a file, at most five beside each other."""
+    """Draw panels with the same lines into a file, at most five beside each other."""
     columns = min(len(panels), 5) or 1
     lines = -(-len(panels) // columns)
     fig = Figure((4 * columns, 4 * lines), layout="constrained")
@@ -55,14 +52,10 @@ def picture(path, panels):
             (handles[label],) = ax.plot(x, y, ".-", color=colours[name], label=label)
         ax.set_xlabel(LABELS.get(panel.x, panel.x))
         ax.set_ylabel(LABELS.get(panel.y, panel.y))
-        ax.set(title=panel.title, yscale=panel.scale)
+        ax.set(title=panel.title, yscale="log")
         if not isinstance(panel.rows[0][panel.x], str):
-            ax.set_xscale(panel.scale)
-    if len({panel.keys for panel in panels}) == 1:  # all have the same lines
-        fig.legend(handles.values(), handles, loc="outside lower center", ncols=4)
-    else:
-        for ax in fig.axes:
-            ax.legend(fontsize="xx-small")
+            ax.set_xscale("log")
+    fig.legend(handles.values(), handles, loc="outside lower center", ncols=4)
     fig.savefig(path, dpi=150)
 
 

@@ -17,7 +17,6 @@ from hpc_gfmd.parallel.comm import MpiComm
 
 from .contacts import RoughContact
 from .model import CLUSTERS, Machine, predict
-from .pictures import Panel, picture
 from .report import Report
 from .timing import Stopwatch, run_workers, seconds, serve, summary
 
@@ -95,14 +94,6 @@ def _predict(report, args):
         if row := predict(n, 2**doublings, replace(machine, link=link)):
             model.add(**row)
     model.finish()
-    if report.path:
-        keys = "kind", "n", "threads", "precision"
-        panels = [
-            Panel(report.rows, keys, "ranks", column, scale="linear")
-            for column in ("efficiency", "share_messages")
-        ]
-        panels.append(Panel(model.rows, ("n", "link_gb_per_s"), "nodes", "seconds", "by the model"))
-        picture(report.path.with_suffix(".png"), panels)
 
 
 def worker(comm, n, precision, p_star, threads):

@@ -10,7 +10,7 @@ if not __package__:  # run by its path
 from hpc_gfmd import SceneError, on_rank_0, world
 from hpc_gfmd.commands.cli import Parser
 from hpc_gfmd.commands.cli import main as run_command
-from paper.cases import LEVELS, Store, cases_of, share
+from paper.cases import LEVELS, Store, cases_of
 from paper.items import STUDIES, TEXTS
 from paper.items.curves import reference_data
 from paper.report import coefficients, publish, report, write_whole
@@ -48,15 +48,8 @@ def make_parser() -> ArgumentParser:
         metavar="DIR",
         help="folder of runs, tables and pictures (default: study-LEVEL)",
     )
-    add("--report", action="store_true", help="write the report (always written for all)")
     add("--list", action="store_true", help="list all items")
-    add("--plan", action="store_true", help="print what would be solved, and stop")
-    only = parser.add_mutually_exclusive_group()
-    only.add_argument("--only-run", action="store_true", help="only solve")
-    only.add_argument(
-        "--no-run", action="store_true", help="only tabulate and draw stored contacts"
-    )
-    add("--part", metavar="I/K", help="solve only the I-th of K shares; jobs can share DIR")
+    add("--no-run", action="store_true", help="only tabulate and draw stored contacts")
     add(
         "--reference",
         metavar="FILE.json",
@@ -87,18 +80,14 @@ def main(args: Namespace) -> int:
             print(f"{name:14} {text['title']}")
         return 0
     items = _items(args)
-    part = _part(args)
-    if args.only_run and (args.report or args.reference or args.coefficients):
-        raise SceneError("--only-run: found with --report, --reference or --coefficients")
-    folder = args.output or f"study-{args.level}"
+    store = Store(args.output or f"study-{args.level}")
     cases = [case for name in items for case in cases_of(name, args.level)]
     code = 0
     if not args.no_run:
-        chosen = share(cases, *part) if part else cases
         threads = args.threads if args.threads == "auto" else int(args.threads)
-        code = run_missing(chosen, Store(folder, part and part[0]), comm, threads, dry=args.plan)
-    if code in (0, 1, 3) and not (args.only_run or args.plan):
-        on_rank_0(comm, "writing tables and pictures", lambda: _publish(args, items, Store(folder)))
+        code = run_missing(cases, store, comm, threads)
+    if code in (0, 1, 3):
+        on_rank_0(comm, "writing tables and pictures", lambda: _publish(args, items, store))
     return code
 
 
@@ -108,10 +97,7 @@ def _publish(args, items, store):
         tables[name] = publish(STUDIES[name], store, args.level)
         text = as_csv(tables[name]).strip() or "nothing stored yet"
         print(f"\n{name}: {TEXTS[name]['title']}\n{text}", flush=True)
-    if args.report or "all" in args.item:
-        for name in OF_PAPER:
-            if name not in tables:
-                tables[name] = publish(STUDIES[name], store, args.level)
+    if "all" in args.item:
         path = report(store, args.level, {name: tables[name] for name in OF_PAPER})
         print(f"report: {path}", flush=True)
     if args.coefficients:
@@ -132,19 +118,6 @@ def _items(args):
     if args.threads != "auto" and not (args.threads.isdecimal() and int(args.threads) > 0):
         raise SceneError(f'--threads: found {args.threads!r}, allowed: a number from 1, or "auto"')
     return list(dict.fromkeys(items))
-
-
-def _part(args):
-    """Return (I, K) of --part I/K, None without it."""
-    if args.part is None:
-        return None
-    part, _, parts = args.part.partition("/")
-    is_valid = part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)
-    if not (is_valid and (args.only_run or args.plan)):
-        raise SceneError(
-            f"--part: found {args.part!r}, allowed: I/K, whole numbers 1 <= I <= K, with --only-run"
-        )
-    return int(part), int(parts)
 
 
 if __name__ == "__main__":

@@ -159,31 +159,6 @@ def merged(cases: list[Case]) -> list[Case]:
     return sorted(sweeps, key=lambda case: (case.cost, *case.surface.values()))
 
 
-def share(cases: list[Case], part: int, parts: int) -> list[Case]:
-    """Return one of several shares of the cases of about equal cost.
-
-    The shares depend on the cases alone: those of jobs that start at different times are disjoint
-    and complete.
-
-    Parameters
-    ----------
-    cases : list of Case
-        All cases.
-    part : int
-        Number of the share, from 1.
-    parts : int
-        Number of shares.
-    """
-    costs = [0] * parts
-    chosen = []
-    for case in reversed(merged(cases)):
-        cheapest_part = costs.index(min(costs))
-        costs[cheapest_part] += case.cost
-        if cheapest_part == part - 1:
-            chosen.append(case)
-    return chosen
-
-
 class Store:
     """The runs in a folder: one JSON line per surface and load in files runs*.jsonl or .jsonl.gz.
 
@@ -193,8 +168,6 @@ class Store:
     ----------
     folder : str or Path
         The folder.
-    part : int, optional
-        Write to runs-<part>.jsonl, so that several jobs can share the folder.
 
     Attributes
     ----------
@@ -204,9 +177,9 @@ class Store:
         File to which runs are appended.
     """
 
-    def __init__(self, folder, part=None):
+    def __init__(self, folder):
         self.folder = Path(folder)
-        self.path = self.folder / ("runs.jsonl" if part is None else f"runs-{part}.jsonl")
+        self.path = self.folder / "runs.jsonl"
 
     def stored(self) -> dict[tuple, dict]:
         """Return {key: run} of all files.

@@ -29,7 +29,6 @@ def run_missing(
     comm: Any,
     threads: int | str = 1,
     say: Callable[[str], object] = print,
-    dry: bool = False,
 ) -> int:
     """Solve the loads of these cases that are not stored. Collective.
 
@@ -48,8 +47,6 @@ def run_missing(
         Threads of each rank.
     say : function
         Prints a line; called on rank 0 only.
-    dry : bool
-        Whether to print only what would be solved.
 
     Returns
     -------
@@ -65,7 +62,7 @@ def run_missing(
     report = say if comm.rank == 0 else lambda text: None
     unsolved, plan = on_rank_0(comm, f"reading {store.folder}", lambda: _plan(cases, store))
     report(plan)
-    if dry or not unsolved:
+    if not unsolved:
         return 0
     folder = store.folder / "solving"
     on_rank_0(comm, f"making {folder}", lambda: folder.mkdir(parents=True, exist_ok=True))
@@ -92,7 +89,7 @@ def run_missing(
             f"{index + 1}/{len(unsolved)}  {case}; {elapsed:.0f} s so far, about"
             f" {elapsed / cost_done * cost_left:.0f} s to go"
         )
-    with suppress(OSError):  # another rank was first, or another job is still solving
+    with suppress(OSError):  # another rank was first
         folder.rmdir()
     return exit_code
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from paper import __main__ as command
 from paper import solve
-from paper.cases import Case, Store, cases_of, merged, share
+from paper.cases import Case, Store, merged
 from paper.items import TEXTS
 from refusal import refused
 from scene_tables import rows
@@ -106,16 +106,10 @@ def test_exit_codes(tmp_path, monkeypatch):
     assert list(Store(tmp_path / "stopped").stored().values()) == []
 
 
-def test_cases_are_merged_and_shared_evenly():
+def test_loads_of_a_surface_are_one_sweep():
     loads = [replace(SMALL, p_star=p) for p in ((0.1,), (0.2, 0.05))]
     sweeps = merged([loads[0], CASES[2], SMALL, loads[1]])
     assert [case.p_star for case in sweeps] == [(0.05, 0.1, 0.2, 0.35), (0.05, 0.35)]
-    cases = [case for name in TEXTS for case in cases_of(name, "paper")]
-    whole = merged(cases)
-    shares = [share(cases, part, 3) for part in (1, 2, 3)]
-    assert sorted((c for part in shares for c in part), key=str) == sorted(whole, key=str)
-    costs = [sum(case.cost for case in part) for part in shares]
-    assert max(costs) - min(costs) <= max(case.cost for case in whole)
 
 
 @pytest.fixture
@@ -131,11 +125,7 @@ def paper(cli):
 fig14 | ITEM: found fig14
  | ITEM: not given
 fig1 --level big | desk
-fig1 --part 3/2 --only-run | --part: found '3/2'
-fig1 --part 1/2 | with --only-run
 fig1 --threads 0 | --threads: found '0'
-fig1 --only-run --no-run | not allowed
-fig1 --only-run --report | --only-run: found with
 """),
 )
 def test_wrong_arguments_are_refused(paper, args, words):
@@ -146,13 +136,9 @@ def test_wrong_arguments_are_refused(paper, args, words):
 def test_command(paper, tmp_path):
     lines = paper.prints("--list").splitlines()
     assert [line.split()[0] for line in lines] == list(TEXTS)
-    assert "to solve" in paper.prints("all --level desk --plan")
     assert "nothing stored yet" in paper.prints("fig13 --no-run -o empty")
     assert not list(tmp_path.iterdir())
-    for part in ("1/2", "2/2"):
-        paper.prints("fig13 --only-run -o made --part", part)
-    runs = {path.name for path in (tmp_path / "made").iterdir()}
-    assert runs == {"runs-1.jsonl", "runs-2.jsonl"}
+    assert "to solve" in paper.prints("fig13 -o made")
     assert "to solve" not in paper.prints("fig13 -o made")
     assert (tmp_path / "made/fig13.csv").read_text().count("\n") > 10
     assert (tmp_path / "made/fig13.png").stat().st_size > 10_000
