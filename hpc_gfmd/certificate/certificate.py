@@ -54,8 +54,8 @@ class Certificate:
     # With a spring the estimated relative error of p0, which changes with the mean gap; None under
     # a dead load, whose p0 is exact.
     p0_error: float | None = None
-    # Rounding errors that further iterations cannot reduce: the relative error of mean gap and
-    # pressure field due to them if that is the larger part, else 0.
+    # The relative error of mean gap and pressure field that further iterations cannot reduce, of
+    # rounding and of the heights, if that is the larger part, else 0.
     attainable: tuple[float, float] = (0.0, 0.0)
     # Elastic energy per area, without that of the uniform pressure for a half-space that is
     # periodic along both axes; nan if it is periodic along one axis.

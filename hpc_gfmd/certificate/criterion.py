@@ -23,6 +23,8 @@ class StoppingCriterion:
     # The smallest load that closes the gap is sought: points that are about to open then do not
     # count as errors of area and gap.
     closes: bool = False
+    # accuracy of the result, where later loads need a better one of gap and pressure; or None
+    of_result: float | None = None
 
     @property
     def tolerance(self) -> float:
@@ -34,3 +36,9 @@ class StoppingCriterion:
         """Largest allowed error relative to a value found: the true value may be smaller by as
         much, and this is the tolerance of it."""
         return self.tolerance / (1 + self.tolerance)
+
+    @property
+    def largest_of_result(self) -> float:
+        """The same of the result: of its area, and of errors that iterations cannot reduce."""
+        tolerance = self.of_result or self.tolerance
+        return tolerance / (1 + tolerance)

@@ -109,8 +109,8 @@ class Estimate(NamedTuple):
 
     gap: float = np.inf  # relative error of the mean gap
     pressure: float = np.inf  # relative error of the pressure field (L2 norm)
-    # Parts of `gap` and `pressure` that further iterations cannot reduce, the rounding errors, if
-    # these are larger than the rest; else 0.
+    # Parts of `gap` and `pressure` that further iterations cannot reduce, rounding errors and those
+    # of the heights, if these are larger than the rest; else 0.
     attainable: tuple[float, float] = (0.0, 0.0)
     squares: float = np.inf  # sum over points of the squared error of the pressure
     shift: float = np.nan  # signed estimate of how much the sum of gaps will still change
@@ -127,9 +127,11 @@ class Norms(NamedTuple):
     open points and a constant in contact that gives it zero mean.
     """
 
-    missing: float  # |p^ - p|_S; with an attraction divided by the stability
+    # |p^ - p|_S, with an attraction divided by the stability, and the error of the heights
+    missing: float
     response: float  # |v|_S
     shift: float  # <v, S (p - p^)>; with an attraction divided by the stability
+    inherited: float  # share of `missing` that is the error of the heights
 
 
 def estimate(
@@ -151,15 +153,12 @@ def estimate(
         return Estimate()
     norms = _norms(problem, levels, state, stability)
     distance = norms.missing * stability
-    # where points yield the formula of the bound itself counts
-    share = CALIBRATION.pressure if problem.hardness is None else 1.0
-    # on a soft base short waves may be stiffer than the typical one says
-    body, grid = problem.body, problem.grid
-    squares = (share * norms.missing) ** 2 * max(body.typical(grid), body.scale(grid))
+    squares = norms.missing**2 * _squares_of_norm(problem)
     relative = sqrt(squares / state.closed_pp)
     rounding = _rounding_of_pressure(problem, state) / stability
     pressure = hypot(relative, rounding)
-    attainable_pressure = rounding if relative < rounding else 0.0
+    stays = hypot(relative * norms.inherited, rounding)
+    attainable_pressure = stays if relative * sqrt(1 - norms.inherited**2) < stays else 0.0
     if state.contact == N:
         return Estimate(0.0, pressure, (0.0, attainable_pressure), squares, 0.0, distance=distance)
 
@@ -168,9 +167,10 @@ def estimate(
     )
     wrong = _error_of_gaps(problem, state, norms) + further
     rounding_of_gaps = _rounding_of_gaps(problem, state, norms) / stability
+    stays = wrong * norms.inherited + rounding_of_gaps
     attainable_gap = 0.0
-    if wrong < rounding_of_gaps:
-        attainable_gap = relative_error(rounding_of_gaps, state.gap)
+    if wrong * (1 - norms.inherited) < stays:
+        attainable_gap = relative_error(stays, state.gap)
     n_open = N - state.contact
     return Estimate(
         gap=relative_error(wrong + rounding_of_gaps, state.gap),
@@ -191,11 +191,24 @@ def _norms(problem: Problem, levels: Multilevel, state: State, stability: float)
     residual, test, product = levels.test_products(
         state.open_p, state.open_pp, state.elastic, *state.level_sums
     )
+    missing = sqrt(EQUIVALENCE * compliance * residual) / stability
+    of_heights = problem.height_error / sqrt(_squares_of_norm(problem))
+    together = hypot(missing, of_heights)
     return Norms(
-        missing=sqrt(EQUIVALENCE * compliance * residual) / stability,
+        missing=together,
         response=sqrt(compliance * test) / share,
         shift=compliance * product / share / stability,
+        inherited=of_heights / together if of_heights else 0.0,
     )
+
+
+def _squares_of_norm(problem: Problem) -> float:
+    """Return the sum of squares of a pressure over its squared S norm, as it is estimated."""
+    # where points yield the formula of the bound itself counts
+    share = CALIBRATION.pressure if problem.hardness is None else 1.0
+    # on a soft base short waves may be stiffer than the typical one says
+    body, grid = problem.body, problem.grid
+    return share**2 * max(body.typical(grid), body.scale(grid))
 
 
 def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
@@ -210,6 +223,8 @@ def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
         edges = self_energy(problem.grid)
         by_load = norms.missing * ((norm + norms.missing) / state.p0 + edges)
     share = CALIBRATION.unknown if problem.hardness is None else 1.0
+    # of the error of the heights all is unknown
+    share = hypot(share * sqrt(1 - norms.inherited**2), norms.inherited)
     by_contact = share * norms.response * norms.missing + CALIBRATION.shift * abs(norms.shift)
     if state.yielded:
         by_load += (by_contact - by_load) * (1 - state.p0 / (problem.hardness or inf))

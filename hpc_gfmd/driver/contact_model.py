@@ -18,21 +18,17 @@ if TYPE_CHECKING:
 class ContactModel:
     """The elastic body, its material, and how branches are followed."""
 
-    # effective modulus; all pressures of a scene are in its unit
     E_star: float = 1.0  # effective modulus; all pressures of a scene are in its unit
     body: Body = HALF_SPACE
     # the largest pressure, in the unit of E_star; None for an elastic solid
-    # the largest pressure, in the unit of E_star; None for an elastic solid
     hardness: float | None = None
-    # in the unit of E_star and that of the surface's lengths
     attraction: Law | None = None  # in the unit of E_star and that of the surface's lengths
-    # which equilibrium is sought with an attraction (branches.py)
     branch: str = APPROACH  # which equilibrium is sought with an attraction (branches.py)
-    # each load is also solved on the other branch
     unique: bool = False  # each load is also solved on the other branch
     # shortest wavelength of the surface, in its unit of length; None if unknown
-    # shortest wavelength of the surface, in its unit of length; None if unknown
     lam_s: float | None = None
+    # of the heights, where loads before have changed them, as in `Problem`, in its units
+    height_error: float = 0.0
 
     @property
     def on_other_branch(self) -> ContactModel:

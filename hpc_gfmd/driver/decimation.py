@@ -96,7 +96,7 @@ class Decimation:
             np.divide(h[i0:i1], scale, out=heights[i0:i1])
 
         self.coarse.by_rows(divide, len(h))
-        return replace(problem, grid=self.coarse, h=heights)
+        return replace(problem, grid=self.coarse, h=heights, height_error=0.0)
 
     def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the rows of a coarse field that this rank's fine rows need: HALO before, those

@@ -331,7 +331,7 @@ def _may_be_met(
     """
     if criterion.accuracy is None:
         return True
-    return target.may_be_met(solver, progress, factor * criterion.largest_error)
+    return target.may_be_met(solver, progress, factor * criterion.largest_of_result)
 
 
 def _conclude(
@@ -422,20 +422,19 @@ def _largest_over_tolerance(
     """Return the largest error (area, mean gap, pressure) over the tolerance, without those limited
     by rounding, `attainable`; nan if one is.
     """
-    at_best = (0.0, *attainable)
+    area, *others = errors
     errors_left = [
-        error
-        for error, best in zip(errors, at_best, strict=True)
+        error / criterion.largest_error
+        for error, best in zip(others, attainable, strict=True)
         if not best >= criterion.largest_error  # a limit that is nan is none
     ]
-    if any(isnan(error) for error in errors_left):
-        return nan
-    return max(errors_left, default=0.0) / criterion.largest_error
+    errors_left.append(area / criterion.largest_of_result)
+    return nan if any(isnan(error) for error in errors_left) else max(errors_left)
 
 
 def _status_of(certificate: Certificate, criterion: StoppingCriterion) -> str:
-    """Return "converged", or "stagnated" if an error limited by rounding exceeds the tolerance."""
+    """Return "converged", or "stagnated" if an error that iterations cannot reduce is too large."""
     met = criterion.residual is not None or all(
-        error < criterion.largest_error for error in certificate.errors
+        error < criterion.largest_of_result for error in certificate.errors
     )
     return "converged" if met else "stagnated"

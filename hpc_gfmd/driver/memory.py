@@ -51,11 +51,6 @@ class Maxwell:
         self.u = u
 
 
-def relaxed(elements: Sequence[Element], time: float) -> float:
-    """Return the modulus at a time after a deformation, over that at time 0."""
-    return 1 + sum(r * expm1(-time / tau) for r, tau in elements)
-
-
 def _decay(dt: float, tau: float) -> tuple[float, float]:
     """Return e = exp(-dt/tau) and f = (1 - e) tau/dt."""
     x = dt / tau

@@ -107,6 +107,7 @@ class WorkingSurface:
             body=self.model.body,
             hardness=self.hardness,
             attraction=self.attraction,
+            height_error=self.model.height_error,
         )
 
     def problem_to_start(self, p0: float) -> Problem:

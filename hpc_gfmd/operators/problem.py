@@ -56,7 +56,8 @@ class Problem:
     `h` is the initial gap, >= 0 with minimum 0, on this rank's part of the nominal area. `p0` is
     the mean pressure over that area; `spring`, the mean pressure of the cell per displacement
     through which the body is pressed (0: a dead load), changes it with every step. `h_rms` is
-    sqrt(mean h^2) if known.
+    sqrt(mean h^2) if known. `height_error` is that of heights that contacts before have changed, as
+    the root of the sum of squares of the pressure K dh.
     """
 
     grid: Grid
@@ -67,6 +68,7 @@ class Problem:
     hardness: float | None = None
     attraction: Law | None = None
     spring: float = 0.0
+    height_error: float = 0.0
 
     def law(self, dtype: np.dtype | None = None) -> Law | None:
         """Return the law of attraction in a precision (default: the working one), or None."""

@@ -1,0 +1,67 @@
+"""The errors that loads leave behind: the heights on which the next load is solved are not exact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import hypot, isfinite, sqrt
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .memory import Maxwell
+
+if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
+    from .memory import Element
+
+
+class InheritedError:
+    """Makes a `Problem.height_error` from the certificates of the loads before.
+
+    The error of a displacement lasts for its own load only, and the body forgets it, as it forgets
+    the displacement; dents have the largest error of all loads. Errors of loads do not depend on
+    each other, so that their squares are added. The same on all ranks.
+    """
+
+    def __init__(self, elements: Sequence[Element], keeps_dents: bool):
+        self.keeps_dents = keeps_dents
+        self.of_dents = 0.0
+        self.of_gap = 0.0  # largest error of the mean gap, a length
+        self.body = Maxwell(elements, np.zeros(0))  # a number for each load
+
+    def before(self, dt: float) -> float:
+        """Return the error of the heights in a step of dt."""
+        of_loads, _ = self.body.before(dt)
+        return hypot(float(np.linalg.norm(of_loads)), self.of_dents)
+
+    def after(self, dt: float, certificate: Certificate) -> bool:
+        """Remember the errors of a load, which contain the inherited one, at the end of a step of
+        dt; return whether they are known."""
+        inherited = self.before(dt)
+        _, gap, pressure = certificate.errors
+        loaded = certificate.contact > 0
+        error = pressure * certificate.pressures if loaded else inherited
+        if not (isfinite(error) and isfinite(gap)):
+            return False
+        self.of_gap = max(self.of_gap, gap * certificate.gap_mean)
+        if self.keeps_dents:
+            own = sqrt(max(error**2 - inherited**2, 0.0))
+            self.of_dents = max(self.of_dents, own)
+        if self.body.elements:
+            body = self.body
+            body.u, *body.q = (np.append(x, 0.0) for x in (body.u, *body.q))
+            body.after(dt, np.append(np.zeros(len(body.u) - 1), error))
+        return True
+
+    def numbers(self) -> dict[str, Any]:
+        """Return all that is remembered, to be stored."""
+        return {
+            "dents": self.of_dents,
+            "gap": self.of_gap,
+            "loads": [x.tolist() for x in (self.body.u, *self.body.q)],
+        }
+
+    def restore(self, numbers: Mapping[str, Any]) -> None:
+        """Take up stored `numbers`."""
+        self.of_dents, self.of_gap = numbers["dents"], numbers["gap"]
+        self.body.u, *self.body.q = map(np.array, numbers["loads"])
