@@ -55,7 +55,10 @@ def _doubt(contact: Any) -> str | None:
         return f"the gap is all rounding at this load in {precision} precision"
     best = contact.certificate.attainable[0]
     if contact.accuracy < best < np.inf:
-        return f"the mean gap is known to {best:.1g} at best: rounding errors, and of free edges"
+        return (
+            f"the mean gap is known to {best:.1g} at best: rounding errors, and those of free edges"
+            " and of loads before"
+        )
     return None
 
 

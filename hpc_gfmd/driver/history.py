@@ -18,7 +18,6 @@ from .sweep import DOUBLE, Sweep, sweep_with
 from .without_iterations import unloaded_contact
 
 if TYPE_CHECKING:
-    from ..certificate.certificate import Certificate
     from ..contact.contact import Contact
     from ..scene import LoadTable
     from ..surface import Surface
@@ -203,15 +202,14 @@ class History:
         return {
             "time": self._time,
             "position": [position.u, *position.q],
-            "inherited": self.inherited.numbers(),
             "failed": self._failed,
-        }
+        } | self.inherited.numbers()
 
     def restore(self, fields: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
         """Take up the fields of a stored memory, local slabs, and its `numbers`."""
         self.memory.restore(fields, numbers["position"])
         self._time = numbers["time"]
-        self.inherited.restore(numbers["inherited"])
+        self.inherited.restore(numbers)
         self._failed = numbers["failed"]
 
     @property

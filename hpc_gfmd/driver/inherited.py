@@ -1,4 +1,4 @@
-"""The errors that loads leave behind: the heights on which the next load is solved are not exact."""
+"""The errors that loads leave behind: the heights for the next load are not exact."""
 
 from __future__ import annotations
 
@@ -56,12 +56,13 @@ class InheritedError:
     def numbers(self) -> dict[str, Any]:
         """Return all that is remembered, to be stored."""
         return {
-            "dents": self.of_dents,
-            "gap": self.of_gap,
-            "loads": [x.tolist() for x in (self.body.u, *self.body.q)],
+            "error_of_dents": self.of_dents,
+            "error_of_gap": self.of_gap,
+            "errors_of_loads": np.concatenate([self.body.u, *self.body.q]).tolist(),
         }
 
     def restore(self, numbers: Mapping[str, Any]) -> None:
         """Take up stored `numbers`."""
-        self.of_dents, self.of_gap = numbers["dents"], numbers["gap"]
-        self.body.u, *self.body.q = map(np.array, numbers["loads"])
+        self.of_dents, self.of_gap = numbers["error_of_dents"], numbers["error_of_gap"]
+        of_loads = np.array(numbers["errors_of_loads"], float)
+        self.body.u, *self.body.q = of_loads.reshape(1 + len(self.body.elements), -1)

@@ -53,7 +53,7 @@ def contact_of(
         p,
         status,
         certificate,
-        accuracy=criterion.tolerance,
+        accuracy=criterion.of_result or criterion.tolerance,
         lam_s=model.lam_s,
         body=model.body,
         remark=load.target.note,
