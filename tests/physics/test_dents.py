@@ -95,7 +95,7 @@ def test_many_coarsely_solved_loads_do_not_deepen_the_dents():
     for k, solution in enumerate(coarse):
         right = exact[k % 2]
         assert abs(solution.gap_mean / right.gap_mean - 1) <= solution.gap_error
-        assert off(solution.pressure, right.pressure) <= solution.pressure_error
+        assert relative(solution.pressure, right.pressure) <= solution.pressure_error
         assert abs(solution.a_r / right.a_r - 1) <= solution.a_r_error
     inherited = exact[1].pressure_error
     assert (coarse.pressure_error[1::2] > 10 * inherited).all()
