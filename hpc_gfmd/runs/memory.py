@@ -36,8 +36,9 @@ DENTS = 16.0  # bytes per point for dents that stay, those before a load and aft
 RELAXING = 8.0  # for each field of a solid that relaxes: the displacement, and one an element
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
 BY_ROWS = (".npy", ".h5", ".hdf5", ".nc")  # names of files of which every rank reads its rows
-# of a map on the process that reads or prepares it
-COPIES = {"read": 2.1, "changed": 3.5, "filled": 5.0, "built": 2.1}
+# Of a map on the process that reads or prepares it. Filling takes 130 bytes per missing point, of
+# which a quarter of the map is allowed for: how many are missing is known once it is read.
+COPIES = {"read": 2.1, "changed": 3.5, "filled": 8.0, "built": 2.1}
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
 RANKED = 72  # bytes per point on rank 0 for heights with a given distribution
 PROCESS_GIB = 0.217  # interpreter, libraries, compiled kernels, buffers of MPI

@@ -6,7 +6,7 @@ Each is the mean of its four neighbours, so that holes are closed as by a soap f
 import numpy as np
 
 from ..util.errors import SceneError
-from .film import solve_film
+from .film import Film, solve_film
 from .topography import Topography
 
 NEIGHBOURS = ((-1, 0), (1, 0), (0, -1), (0, 1))
@@ -47,23 +47,20 @@ def _film(z: np.ndarray, missing: np.ndarray) -> np.ndarray:
     For each point the equation is 4 z - (sum of z of missing neighbours) = sum of the other
     neighbours, where beyond an edge the point is its own neighbour.
     """
-    from scipy.sparse import csr_array  # 50 MB that a run without holes does without
-
     x, y = (place.astype(np.int32) for place in np.nonzero(missing))
-    points = np.arange(x.size, dtype=np.int32)
-    number = np.zeros(z.shape, np.int32)  # of a point among the missing ones
-    number[missing] = points
-    columns = np.repeat(points[:, None], 5, axis=1)
-    factors = np.zeros((x.size, 5))
-    factors[:, 4] = 4.0
+    number = np.full(z.shape, x.size, np.int32)  # of a point among the missing ones
+    number[missing] = np.arange(x.size, dtype=np.int32)
+    neighbours = []
+    diagonal = np.full(x.size, 4, np.float32)
     right = np.zeros(x.size)
-    for k, (dx, dy) in enumerate(NEIGHBOURS):
+    for dx, dy in NEIGHBOURS:
         beside = np.clip(x + dx, 0, z.shape[0] - 1), np.clip(y + dy, 0, z.shape[1] - 1)
-        is_unknown = missing[beside]
-        columns[is_unknown, k] = number[beside][is_unknown]
-        factors[is_unknown, k] = -1.0
-        right += np.where(is_unknown, 0.0, z[beside])
-    starts = np.arange(0, columns.size + 1, 5)
-    matrix = csr_array((factors.ravel(), columns.ravel(), starts), shape=(x.size, x.size))
-    matrix.sum_duplicates()
-    return solve_film(matrix, right, x, y)
+        is_itself = (beside[0] == x) & (beside[1] == y)
+        diagonal[is_itself] -= 1
+        neighbour = number[beside]
+        neighbour[is_itself] = x.size
+        neighbours.append(neighbour)
+        is_known = ~missing[beside]
+        right[is_known] += z[beside][is_known]
+    del number, beside, is_itself, is_known
+    return solve_film(Film(neighbours, diagonal), right, x, y)

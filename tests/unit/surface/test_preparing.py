@@ -1,12 +1,16 @@
 """Preparation of height maps: detrending, filling, cropping, resampling."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from contacts import random_heights
 
 from hpc_gfmd.scene import File
+from hpc_gfmd.surface.fill import filled
+from hpc_gfmd.surface.film import Film, solve_film
 from hpc_gfmd.surface.prepare import prepare
-from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.surface.topography import Topography, open_topography
 from hpc_gfmd.util.errors import SceneError
 
 N = (14, 10)
@@ -43,6 +47,24 @@ def test_detrended(prepared):
         assert abs(bare.mean()) < 1e-13
     left = prepared(z, detrend="tilt")[0]
     assert abs(np.sum(left * (X - X.mean()))) + abs(np.sum(left * (Y - Y.mean()))) < 1e-11
+
+
+def test_a_large_hole_takes_little_memory():
+    """A hole of 160,000 points: a harmonic function comes back in 180 bytes for each of them."""
+    x = np.arange(500.0)
+    z = x[:, None] * x
+    holes = z.copy()
+    holes[50:450, 50:450] = np.nan
+    solve_film(Film([], np.ones(1), []), np.ones(1), x[:1], x[:1])  # imports
+    topography = Topography(z.shape, SIZES, lambda start, stop: holes[start:stop])
+    tracemalloc.start()
+    try:
+        heights = filled(topography, "harmonic").heights()
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert np.allclose(heights, z, rtol=1e-9)
+    assert peak < 180 * 400**2
 
 
 def test_harmonic_functions_come_back(prepared):
