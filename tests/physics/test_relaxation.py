@@ -47,9 +47,15 @@ def test_a_held_gap():
     assert held.steps[2]["time"] == 1.0
 
 
-def creep(time, r):
-    """J(t)/J(0) of one element (r, 1)."""
-    return (1 - r * np.exp(-(1 - r) * np.asarray(time))) / (1 - r)
+def creep(time, elements):
+    """J(t)/J(0), by the poles of 1/(s R(s)), R(s) = 1 - sum r + sum r s/(s + 1/tau)."""
+    shares, taus = np.transpose(elements)
+    whole = np.poly(-1 / taus)
+    relaxing = [r * np.poly([0, *np.delete(-1 / taus, k)]) for k, r in enumerate(shares)]
+    modulus = (1 - shares.sum()) * whole + np.sum(relaxing, axis=0)
+    poles = np.roots(modulus)
+    factors = np.polyval(whole, poles) / (poles * np.polyval(np.polyder(modulus), poles))
+    return 1 / (1 - shares.sum()) + np.exp(np.multiply.outer(time, poles)) @ factors
 
 
 @pytest.mark.parametrize(
@@ -61,10 +67,23 @@ def test_creep_is_of_second_order(n, steps, tolerance):
     r, end = 0.9, 20.0
     times = end * (np.arange(steps + 1) / steps) ** 2
     how = {"accuracy": 1e-6, "fields": ()}
-    elastic = hpc_gfmd.solve(wall(n), P0 * creep(end, r), **how)
+    elastic = hpc_gfmd.solve(wall(n), P0 * creep(end, [(r, 1.0)]), **how)
     crept = hpc_gfmd.solve(wall(n), P0, time=times, relaxation=[(r, 1.0)], **how)[-1]
     assert crept.gap_mean == pytest.approx(elastic.gap_mean, rel=tolerance)
     assert crept.a_r == pytest.approx(elastic.a_r, rel=tolerance + 3 / n**2 / elastic.a_r)
+
+
+@pytest.mark.parametrize(
+    ("steps", "tolerance"),
+    [(16, 6e-2), (32, 2.2e-2), pytest.param(64, 8e-3, marks=pytest.mark.slow)],
+)
+def test_creep_over_decades(steps, tolerance):
+    """Three elements and logarithmic steps."""
+    elements = [(0.3, 0.01), (0.3, 1.0), (0.3, 100.0)]
+    times = [0, *np.geomspace(1e-3, 1e3, steps)]
+    elastic = hpc_gfmd.solve(wall(32), P0 * creep(times[-1], elements), fields=())
+    crept = hpc_gfmd.solve(wall(32), P0, time=times, relaxation=elements, fields=())[-1]
+    assert crept.gap_mean == pytest.approx(elastic.gap_mean, rel=tolerance)
 
 
 @pytest.mark.slow
@@ -72,7 +91,7 @@ def test_the_pressure_of_lee_and_radok():
     """An integral over the elastic pressures under the rising load."""
     r, end, steps = 0.9, 20.0, 64
     times = end * (np.arange(2 * steps + 1) / (2 * steps)) ** 2
-    elastic = hpc_gfmd.solve(wall(128), P0 * creep(times, r), accuracy=1e-5)
+    elastic = hpc_gfmd.solve(wall(128), P0 * creep(times, [(r, 1.0)]), accuracy=1e-5)
     p = [solution.pressure.astype(float) for solution in elastic]
     left = modulus([(r, 1)], end - (times[1:] + times[:-1]) / 2)
     exact = modulus([(r, 1)], end) * p[0]
