@@ -116,9 +116,7 @@ def test_rows_that_cannot_be_compared(monkeypatch):
             tables.refuse_unlike([row, row | other])
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    rows("""
+WRONG = rows("""
 accuracy --solvers nonsense | nonsense
 peers --codes nonsense | --codes: found 'nonsense', allowed: aspher
 peers | scripts/bench-peers-setup
@@ -128,12 +126,14 @@ peers --boundary open | --boundary: found 'open', allowed: periodic, free
 pairs --surfaces 2 | --surfaces: found 1 numbers, allowed: one for each
 kernels --n 63 | --n: found
 kernels --repeats 0 | --repeats: found 0
-"""),
-)
-def test_wrong_arguments_are_refused(arguments, words, monkeypatch, tmp_path, cli):
+""")
+
+
+def test_wrong_arguments_are_refused(monkeypatch, tmp_path, cli):
     monkeypatch.setenv("HPC_GFMD_PEERS", str(tmp_path / "nowhere"))
     cli.script = make_parser
-    assert words in cli.refused(arguments)
+    for arguments, words in WRONG:
+        assert words in cli.refused(arguments)
 
 
 def test_model_counts_what_ranks_send():

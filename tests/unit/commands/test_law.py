@@ -42,21 +42,19 @@ def test_existing_files_and_bad_arguments_are_refused(scene, cli, tmp_path):
     assert "conductivity" in cli.refused("law", scene, *RANGE, "--conductivity", "-1")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (("-o", "missing/law.csv"), "folder"),
-        (("-o", "law.inp", "--quantities", "a_r"), "gap_mean"),
-        (("-o", "law.inp", "--quantities", "gap_mean", "--conductivity", "50"), "conductance"),
-        (("-o", "law.inp", "--name", "A B"), "name"),
-    ],
-)
-def test_what_cannot_be_written_is_refused_before_a_load(
-    scene, cli, arguments, reason, monkeypatch
-):
+UNWRITABLE = [
+    (("-o", "missing/law.csv"), "folder"),
+    (("-o", "law.inp", "--quantities", "a_r"), "gap_mean"),
+    (("-o", "law.inp", "--quantities", "gap_mean", "--conductivity", "50"), "conductance"),
+    (("-o", "law.inp", "--name", "A B"), "name"),
+]
+
+
+def test_what_cannot_be_written_is_refused_before_a_load(scene, cli, monkeypatch):
     monkeypatch.setattr("hpc_gfmd.runs.interface_law.interface_law", None)
     monkeypatch.chdir(scene.parent)
-    assert reason in cli.refused("law", scene, *RANGE, *arguments)
+    for arguments, reason in UNWRITABLE:
+        assert reason in cli.refused("law", scene, *RANGE, *arguments)
 
 
 def test_a_law_with_a_load_that_is_not_converged(scene, cli, tmp_path):

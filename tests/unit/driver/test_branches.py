@@ -4,7 +4,8 @@ import numpy as np
 import oracle
 import pytest
 
-from hpc_gfmd.driver.branches import KICK_LENGTHS, SaddleGuard
+from hpc_gfmd.driver.branches import KICK_LENGTHS, SaddleGuard, goes_on
+from hpc_gfmd.driver.load import Load
 from hpc_gfmd.laws import law_named
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.grid import Grid
@@ -15,6 +16,33 @@ N = 24
 
 def halves(rows):
     return [(0, rows // 2), (rows // 2, rows)]
+
+
+FOLLOWS = [
+    ("approach", 0.2, 0.1, True),
+    ("approach", 0.1, 0.1, True),
+    ("approach", 0.1, 0.2, False),
+    ("approach", 0.1, 0.0, False),
+    ("retraction", 0.1, 0.2, True),
+    ("retraction", 0.1, 0.1, True),
+    ("retraction", 0.2, 0.1, False),
+]
+
+
+def test_loads_that_follow_each_other():
+    """On approach loads rise, and nothing follows a load without contact; on retraction they
+    fall."""
+    for branch, p0, p0_before, follows in FOLLOWS:
+        assert goes_on(branch, p0, p0_before) == follows
+
+
+def test_loads_that_hold_the_bodies_further_apart():
+    """Nothing is solved where the bodies have come apart, also not at the same gap again."""
+    for quantity, beyond, before in [("gap_mean", 1.1, 0.9), ("approach", -0.1, 0.1)]:
+        separated = Load(quantity, (beyond + before) / 2)
+        assert separated.is_beyond(separated)
+        assert Load(quantity, beyond).is_beyond(separated)
+        assert not Load(quantity, before).is_beyond(separated)
 
 
 def energy(solver, g):

@@ -59,10 +59,10 @@ def test_sealing_pressure():
         law.sealing_pressure("x")
 
 
-@pytest.mark.parametrize("pressure", [0.5e6, 2e9, np.nan])
-def test_a_law_is_not_extrapolated(pressure):
-    with pytest.raises(SceneError, match=r"allowed: 1e\+06 to 1e\+09"):
-        power_law()("a_r", pressure)
+def test_a_law_is_not_extrapolated():
+    for pressure in (0.5e6, 2e9, np.nan):
+        with pytest.raises(SceneError, match=r"allowed: 1e\+06 to 1e\+09"):
+            power_law()("a_r", pressure)
     with pytest.raises(SceneError, match="gap"):
         power_law()("gap", 1e7)
 
@@ -98,21 +98,20 @@ def test_finite_element_file_holds_closure_and_conductance(tmp_path):
     assert "** of steel\n** gap_at_touch = 2e-06 m\n" in path.read_text()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        ({"path": "law.txt"}, r"\.csv"),
-        ({"path": "law.inp", "conductivity": -1.0}, "conductivity"),
-        ({"path": "law.inp", "conductivity": (1.0, 2.0, 3.0)}, "conductivity"),
-        ({"path": "law.inp", "name": "ROUGH, TYPE=X"}, "name"),
-        ({"path": "missing/law.inp"}, "folder"),
-    ],
-)
-def test_bad_arguments_write_no_file(arguments, reason, tmp_path):
-    path = tmp_path / arguments.pop("path")
-    with pytest.raises(SceneError, match=reason):
-        write_law(power_law(), path, **arguments)
-    assert not list(tmp_path.iterdir())
+BAD = [
+    ("law.txt", {}, r"\.csv"),
+    ("law.inp", {"conductivity": -1.0}, "conductivity"),
+    ("law.inp", {"conductivity": (1.0, 2.0, 3.0)}, "conductivity"),
+    ("law.inp", {"name": "ROUGH, TYPE=X"}, "name"),
+    ("missing/law.inp", {}, "folder"),
+]
+
+
+def test_bad_arguments_write_no_file(tmp_path):
+    for path, arguments, reason in BAD:
+        with pytest.raises(SceneError, match=reason):
+            write_law(power_law(), tmp_path / path, **arguments)
+        assert not list(tmp_path.iterdir())
 
 
 def test_a_flat_surface_has_no_table_for_finite_elements(tmp_path):
@@ -123,12 +122,12 @@ def test_a_flat_surface_has_no_table_for_finite_elements(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "pressure [Pa]\n1\n"])
-def test_foreign_files_are_refused(text, tmp_path):
+def test_foreign_files_are_refused(tmp_path):
     path = tmp_path / "law.csv"
-    path.write_text(text)
-    with pytest.raises(SceneError, match="law"):
-        read_law(path)
+    for text in ("", "a,b\n1,2\n", "pressure [Pa]\n1\n"):
+        path.write_text(text)
+        with pytest.raises(SceneError, match="law"):
+            read_law(path)
     with pytest.raises(SceneError, match=r"allowed: a \.csv"):
         read_law(tmp_path / "law.inp")
 

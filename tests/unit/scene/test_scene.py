@@ -39,19 +39,19 @@ def test_alternative_keys_replace_defaults():
     assert scene.solver.accuracy is None
 
 
-@pytest.mark.parametrize(
-    ("material", "E_star", "base"),
-    [
-        ("{E1 = 2.0, nu1 = 0.5, E2 = 3, nu2 = -0.5}", 1 / (0.75 / 2 + 0.75 / 3), None),
-        ("{E1 = 2.0, nu1 = 0.5}", 2 / 0.75, None),
-        ("{E1 = 2.0, nu1 = 0.3, thickness = 0.1}", 2 / 0.91, "bonded"),
-        ("{E_star = 2.1978, nu1 = 0.3, thickness = 0.1}", 2.1978, "bonded"),
-    ],
-)
-def test_contact_modulus_and_base_of_materials(material, E_star, base):
-    scene = scene_of(f"material = {material}")
-    assert scene.material.E_star == pytest.approx(E_star, rel=1e-15)
-    assert base in (None, scene.material.base)
+MATERIALS = [
+    ("{E1 = 2.0, nu1 = 0.5, E2 = 3, nu2 = -0.5}", 1 / (0.75 / 2 + 0.75 / 3), None),
+    ("{E1 = 2.0, nu1 = 0.5}", 2 / 0.75, None),
+    ("{E1 = 2.0, nu1 = 0.3, thickness = 0.1}", 2 / 0.91, "bonded"),
+    ("{E_star = 2.1978, nu1 = 0.3, thickness = 0.1}", 2.1978, "bonded"),
+]
+
+
+def test_contact_modulus_and_base_of_materials():
+    for material, E_star, base in MATERIALS:
+        scene = scene_of(f"material = {material}")
+        assert scene.material.E_star == pytest.approx(E_star, rel=1e-15)
+        assert base in (None, scene.material.base)
 
 
 def test_single_loads_and_mean_pressures():
@@ -60,9 +60,7 @@ def test_single_loads_and_mean_pressures():
         assert scene_of(f"load.{load}").load.p0(E_star=2, g_rms=3) == pytest.approx(p0)
 
 
-@pytest.mark.parametrize(
-    ("surface", "n"),
-    rows("""
+POINTS = rows("""
 {L_over_lam_l = 1.25, lam_l_over_lam_s = 8, lam_s_over_a = 2.5} | (25, 25)
 {L_over_lam_l = 3, lam_l_over_lam_s = 1.1, lam_s_over_a = 9.090909090909092} | (30, 30)
 {physical_sizes = [2, 3]} | (256, 384)
@@ -70,11 +68,13 @@ def test_single_loads_and_mean_pressures():
 {kind = "wave", amplitude = 0.1, n = [8, 6]} | (8, 6)
 {kind = "sphere", radius = 1, n = [8, 8]} | (8, 8)
 {kind = "file", path = "z.npy"} | None
-"""),
-)
-def test_numbers_of_grid_points(surface, n):
+""")
+
+
+def test_numbers_of_grid_points():
     """Products of ratios that are whole up to rounding are accepted."""
-    assert str(scene_of(f"surface = {surface}").surface.n) == n
+    for surface, n in POINTS:
+        assert str(scene_of(f"surface = {surface}").surface.n) == n
 
 
 def test_a_scene_cannot_be_changed():
@@ -109,12 +109,12 @@ output.fields = ["gap"]
 output.dtype = "single\""""
 
 
-@pytest.mark.parametrize(
-    ("change", "keeps_identity"),
-    [(line, text == SAME) for text in (SAME, ANOTHER) for line in text.splitlines()],
-)
-def test_identity_follows_what_changes_the_answer(change, keeps_identity):
-    assert (scene_of(change).identity() == scene_of().identity()) == keeps_identity
+CHANGES = [(line, text == SAME) for text in (SAME, ANOTHER) for line in text.splitlines()]
+
+
+def test_identity_follows_what_changes_the_answer():
+    for change, keeps_identity in CHANGES:
+        assert (scene_of(change).identity() == scene_of().identity()) == keeps_identity
 
 
 def test_identity_does_not_depend_on_the_order_of_fields():

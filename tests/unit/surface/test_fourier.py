@@ -1,9 +1,12 @@
 """Walls from Fourier coefficients: a map and its coefficients are one surface; wrong files."""
 
+import re
+
 import h5py
 import numpy as np
 import pytest
 from contacts import random_heights
+from refusal import refused
 
 import hpc_gfmd
 from hpc_gfmd.util.errors import SceneError
@@ -57,26 +60,24 @@ def test_units_of_coefficients(tmp_path):
     assert made.unit == "m"
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("9 0 1 0\n", "found 9 periods along x"),
-        ("1 0 1 0\n1 0 1 0\n", "found mode (1, 0) twice"),
-        ("1 0 1 0\n-1 0 2 0\n", "found mode (1, 0) and a mirror that is not conjugate"),
-        ("1.5 0 1 0\n", "found broken mode numbers"),
-        ("1 0 nan 0\n", "all finite"),
-        ("1 0 1\n", "found 3 columns"),
-        ("1 0 a 0\n", "cannot read"),
-        ("0 0 1 0\n", "found no waves"),
-    ],
-)
-def test_wrong_coefficients_are_refused_in_one_line(tmp_path, text, words):
+WRONG = [
+    ("9 0 1 0\n", "found 9 periods along x"),
+    ("1 0 1 0\n1 0 1 0\n", "found mode (1, 0) twice"),
+    ("1 0 1 0\n-1 0 2 0\n", "found mode (1, 0) and a mirror that is not conjugate"),
+    ("1.5 0 1 0\n", "found broken mode numbers"),
+    ("1 0 nan 0\n", "all finite"),
+    ("1 0 1\n", "found 3 columns"),
+    ("1 0 a 0\n", "cannot read"),
+    ("0 0 1 0\n", "found no waves"),
+]
+
+
+def test_wrong_coefficients_are_refused_in_one_line(tmp_path):
     path = tmp_path / "c.txt"
-    path.write_text(text)
-    with pytest.raises(SceneError) as caught:
-        wall(path, (16, 16))
-    assert words in str(caught.value)
-    assert str(caught.value).isprintable()
+    for text, words in WRONG:
+        path.write_text(text)
+        with refused(re.escape(words)):
+            wall(path, (16, 16))
 
 
 def test_no_unit_is_refused(tmp_path):

@@ -292,43 +292,46 @@ def test_matlab(version):
 # Units of length
 
 
-@pytest.mark.parametrize("unit", ["px", "pixel", "point", "au", "Pixels", "a.u.", "Nm", "1"])
-def test_units_that_are_no_length(unit):
-    Path("z.xyz").write_text(
-        table_text([(f"x[{unit}]", f"y[{unit}]", "z[nm]"), *point_rows("xyz")], ",")
-    )
-    with refused(r"^surface.physical_sizes: not given"):
-        hpc_gfmd.read_surface("z.xyz", boundary="periodic")
-    assert is_map(heights("z.xyz", physical_sizes=KEYS["physical_sizes"]))
-    np.savez("z.npz", z=Z, unit=unit, physical_sizes=SIZES)
-    with refused(r"^surface.unit: .*|surface.physical_sizes"):
-        hpc_gfmd.read_surface("z.npz", boundary="periodic")
-    assert is_map(heights("z.npz", **KEYS))
-    assert any("surface.unit says" in str(note) for note in opened("z.npz", **KEYS).notes)
-    with refused("surface.physical_sizes"):
-        hpc_gfmd.read_surface("z.npz", unit="nm", physical_sizes=(f"512 {unit}", f"512 {unit}"))
+NO_LENGTHS = ["px", "pixel", "point", "au", "Pixels", "a.u.", "Nm", "1"]
 
 
-@pytest.mark.parametrize(
-    ("unit", "metres"),
-    [
-        ("Nanometer", 1e-9),
-        ("NanoMeters", 1e-9),
-        ("NM", 1e-9),
-        ("Micrometre", 1e-6),
-        ("Angstrom", 1e-10),
-        ("Å", 1e-10),
-        ("mil", 2.54e-5),
-        ("Inch", 0.0254),
-        ("Microns", 1e-6),
-        ("μm", 1e-6),
-    ],
-)
-def test_spellings_of_units(unit, metres):
-    np.savez("z.npz", z=Z, unit=unit, physical_sizes=[12.0, 4.0])
-    topography = opened("z.npz")
-    assert np.allclose(topography.rows(0, 12), metres * Z, rtol=1e-12)
-    assert topography.sizes == pytest.approx((12 * metres, 4 * metres))
+def test_units_that_are_no_length():
+    for unit in NO_LENGTHS:
+        Path("z.xyz").write_text(
+            table_text([(f"x[{unit}]", f"y[{unit}]", "z[nm]"), *point_rows("xyz")], ",")
+        )
+        with refused(r"^surface.physical_sizes: not given"):
+            hpc_gfmd.read_surface("z.xyz", boundary="periodic")
+        assert is_map(heights("z.xyz", physical_sizes=KEYS["physical_sizes"]))
+        np.savez("z.npz", z=Z, unit=unit, physical_sizes=SIZES)
+        with refused(r"^surface.unit: .*|surface.physical_sizes"):
+            hpc_gfmd.read_surface("z.npz", boundary="periodic")
+        assert is_map(heights("z.npz", **KEYS))
+        assert any("surface.unit says" in str(note) for note in opened("z.npz", **KEYS).notes)
+        with refused("surface.physical_sizes"):
+            hpc_gfmd.read_surface("z.npz", unit="nm", physical_sizes=(f"512 {unit}", f"512 {unit}"))
+
+
+SPELLINGS = [
+    ("Nanometer", 1e-9),
+    ("NanoMeters", 1e-9),
+    ("NM", 1e-9),
+    ("Micrometre", 1e-6),
+    ("Angstrom", 1e-10),
+    ("Å", 1e-10),
+    ("mil", 2.54e-5),
+    ("Inch", 0.0254),
+    ("Microns", 1e-6),
+    ("μm", 1e-6),
+]
+
+
+def test_spellings_of_units():
+    for unit, metres in SPELLINGS:
+        np.savez("z.npz", z=Z, unit=unit, physical_sizes=[12.0, 4.0])
+        topography = opened("z.npz")
+        assert np.allclose(topography.rows(0, 12), metres * Z, rtol=1e-12)
+        assert topography.sizes == pytest.approx((12 * metres, 4 * metres))
 
 
 # Content decides the format
@@ -531,17 +534,17 @@ def test_decreasing_coordinates_are_reversed(falling, classic, names):
 # Reasons of refusals
 
 
-@pytest.mark.parametrize("kind", ["en dash", "folder", "both", "plain"])
-def test_x3p_of_other_programs(kind):
+def test_x3p_of_other_programs():
     topography().to_x3p("plain.x3p")
-    folder = "scan/" if kind in ("folder", "both") else ""
-    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as rewritten:
-        for name in archive.namelist():
-            data = archive.read(name)
-            if name == "main.xml" and kind in ("en dash", "both"):
-                data = data.replace(b"ISO5436 - 2000", "ISO5436 – 2000".encode())
-            rewritten.writestr(folder + name, data)
-    assert is_map(heights("z.x3p"))
+    for kind in ("en dash", "folder", "both", "plain"):
+        folder = "scan/" if kind in ("folder", "both") else ""
+        with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as rewritten:
+            for name in archive.namelist():
+                data = archive.read(name)
+                if name == "main.xml" and kind in ("en dash", "both"):
+                    data = data.replace(b"ISO5436 - 2000", "ISO5436 – 2000".encode())
+                rewritten.writestr(folder + name, data)
+        assert is_map(heights("z.x3p"))
 
 
 def test_reason_of_the_reader_is_in_the_message():
@@ -571,14 +574,19 @@ def test_nms_with_a_spacing_in_nm():
     assert topography.sizes == pytest.approx((12 * 312.5e-9, 8 * 312.5e-9))
 
 
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [("skip_lines", 3), ("decimal", ","), ("coordinates", "both"), ("height_range", [0.0, 1.0])],
-)
-def test_keys_of_other_formats_are_refused(key, value):
+OF_TEXT = [
+    ("skip_lines", 3),
+    ("decimal", ","),
+    ("coordinates", "both"),
+    ("height_range", [0.0, 1.0]),
+]
+
+
+def test_keys_of_other_formats_are_refused():
     np.save("z.npy", Z)
-    with refused(f"surface.{key}: found .*z.npy is read as npy"):
-        opened("z.npy", **KEYS, **{key: value})
+    for key, value in OF_TEXT:
+        with refused(f"surface.{key}: found .*z.npy is read as npy"):
+            opened("z.npy", **KEYS, **{key: value})
 
 
 # Notes on preparation

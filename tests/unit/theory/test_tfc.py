@@ -26,10 +26,10 @@ def test_rounded_pressures_select_their_table():
         assert tfc.correction("kappa", 0.5, p_star, **REFERENCE).p_star == table
 
 
-@pytest.mark.parametrize("p_star", [0.006, 0.01, 0.05, 0.3, 0.4, 0, np.nan])
-def test_other_pressures_are_refused(p_star):
-    with refused(r"p_star: found .*allowed"):
-        tfc.correction("kappa", 0.5, p_star, **REFERENCE)
+def test_other_pressures_are_refused():
+    for p_star in (0.006, 0.01, 0.05, 0.3, 0.4, 0, np.nan):
+        with refused(r"p_star: found .*allowed"):
+            tfc.correction("kappa", 0.5, p_star, **REFERENCE)
 
 
 def test_interpolation_only_in_hurst():
