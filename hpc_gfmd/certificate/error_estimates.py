@@ -121,6 +121,17 @@ class Estimate(NamedTuple):
     fall: float = 0.0
     distance: float = np.inf  # |u - T(u)|_K, T(u) being the contact with the attraction of u frozen
 
+    def reduced(self, factor: float) -> Estimate:
+        """Return the estimate of a state whose errors are so many times smaller."""
+        return self._replace(
+            gap=self.gap / factor,
+            pressure=self.pressure / factor,
+            squares=self.squares / factor**2,
+            shift=self.shift / factor,
+            missing_load=self.missing_load / factor,
+            distance=self.distance / factor,
+        )
+
 
 class Norms(NamedTuple):
     """S norms and product of the residual pressure p^ - p and the test pressure v, which is -1 on

@@ -62,6 +62,10 @@ class Progress:
         """Estimated relative errors of (mean gap, pressure field); None without an `estimate`."""
         return self.estimate and self.estimate[:2]
 
+    def reduced(self, factor: float) -> Progress:
+        """Return the progress with errors so many times smaller, as after steps still to come."""
+        return replace(self, estimate=self.estimate and self.estimate.reduced(factor))
+
 
 class Solver:
     """Base class of all solvers: a state (gap and pressure) and the steps that improve it.
