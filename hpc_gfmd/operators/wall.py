@@ -22,7 +22,9 @@ from .selection import nth_smallest
 if TYPE_CHECKING:
     from .problem import Problem
 
-SHORT = 0.9  # a step is made shorter only below this: clipped points stay a little open then
+# A step is made shorter only below this: clipped points stay a little open then. Measured: alike
+# from .9 to .95, 6 to 7 % more pairs at .8 and at 1
+SHORT = 0.9
 SETTLED = 1e-3  # distance to where a spring holds separated bodies at rest, in ranges of the law
 
 
