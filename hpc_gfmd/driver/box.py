@@ -117,7 +117,7 @@ class BoxContact(NamedTuple):
     part: Part  # its pressure, on this rank's part of the surface
     pairs: float  # FFT pairs that it took, converted to pairs of the whole grid
     # contacts on coarser grids of the box, with mean gaps over the box
-    coarser: list[CoarseContact]
+    coarser: Sequence[CoarseContact]
 
     def coarser_of_surface(
         self, gap_mean: float, of_surface: Sequence[CoarseContact]
@@ -133,7 +133,7 @@ class BoxContact(NamedTuple):
         return [contact._replace(gap_mean=gap) for contact, gap in zip(self.coarser, gaps)]
 
 
-SolveAlone = Callable[["Problem"], tuple["Solver", float, list[CoarseContact]]]
+SolveAlone = Callable[["Problem"], tuple["Solver", float, Sequence[CoarseContact]]]
 
 
 def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveAlone) -> BoxContact:
@@ -152,7 +152,7 @@ def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveA
     h = rows_of(fine.comm, h, owned, i + starts[:-1], i + starts[1:], fine.n[0])
     fields = np.empty((2, 0, box.points[1]), problem.dtype)
     pairs = 0.0
-    contacts: list[CoarseContact] = []
+    contacts: Sequence[CoarseContact] = ()
     signal = 0
     if grid is not None:
         share = grid.N / fine.N

@@ -31,7 +31,7 @@ class CoarseContact(NamedTuple):
 
 
 def coarser_contacts(
-    solver: Solver, coarser: list[CoarseContact], scale: float
+    solver: Solver, coarser: Sequence[CoarseContact], scale: float
 ) -> list[CoarseContact]:
     """Return the solver's present state (dents as a gap of 0) and those of still coarser grids, in
     the unit of a grid whose spacing is 1/scale of the solver's. Collective.

@@ -14,8 +14,9 @@ import numpy as np
 
 from .inherited import InheritedError
 from .memory import Memory
-from .sweep import DOUBLE, Sweep, sweep_with
+from .sweep import Sweep
 from .without_iterations import unloaded_contact
+from .working_surface import DOUBLE
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
@@ -112,8 +113,7 @@ class History:
                 return contact
             approach = contact.certificate.approach
         else:
-            criterion = self._sweep.starter.criterion
-            contact = unloaded_contact(self._sweep.working, load, criterion, apart)
+            contact = unloaded_contact(self._sweep.working, load, apart)
             of_gap = self.inherited.of_gap / contact.certificate.gap_mean
             certificate = replace(contact.certificate, errors=(0.0, of_gap, 0.0))
             contact = replace(contact, certificate=certificate)
@@ -155,10 +155,7 @@ class History:
         model = self.working.model
         error = self.inherited.before(dt)
         model = replace(model, E_star=factor * model.E_star, height_error=error)
-        sweep = sweep_with(changed, settings, model)
-        starter = sweep.starter
-        starter.criterion = replace(starter.criterion, of_result=self.settings.accuracy)
-        return sweep
+        return Sweep(changed, settings, model, of_result=self.settings.accuracy)
 
     def _load_on(self, load: Load, nearer: float) -> tuple[Load, float | None]:
         """Return a load as it is on the changed wall, and how far the bodies are apart (None:
@@ -191,6 +188,7 @@ class History:
             surface=self._original,
             E_star=self.working.model.E_star,
             certificate=replace(certificate, approach=approach, energy=energy),
+            accuracy=self.settings.tolerance,
             dents=self.memory.dents,
         )
 

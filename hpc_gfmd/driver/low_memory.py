@@ -25,7 +25,6 @@ from .nested import Nested
 from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
-    from ..certificate.criterion import StoppingCriterion
     from ..solvers.base import Solver
 
 
@@ -36,8 +35,7 @@ class LowMemorySurface(WorkingSurface):
     Raises SceneError if the periodic surface is not known by its modes, see surface/modes.py.
     """
 
-    certifies_in_turn = True
-    solver_makes_room = True
+    saves_memory = True
 
     def _plan(self) -> None:
         """Raise SceneError for a periodic surface without modes; plan no transforms yet."""
@@ -47,11 +45,11 @@ class LowMemorySurface(WorkingSurface):
                 ' "spectrum" (without a distribution of heights) or "fourier"'
             )
 
-    def problem_to_start(self, p0: float) -> Problem:
+    def problem(self, p0: float) -> Problem:
         """Return the problem with stored heights, making the surface again if need be."""
         if self.surface.h is None:
             self.surface = self.make_surface(self.dtype)
-        problem = self.problem(p0)
+        problem = super().problem(p0)
         return replace(problem, h_rms=problem.root_mean_square)  # while there are heights
 
     def problem_to_iterate(self, problem: Problem) -> Problem:
@@ -73,15 +71,15 @@ class LowMemorySurface(WorkingSurface):
         """
         return None if self.surface.grid.padded else problem.heights
 
-    def nested(self) -> Nested | None:
+    def nested(self) -> Nested:
         """Make coarser grids, whose transforms are freed when the caller drops them. Collective."""
         return Nested(self.surface.grid, self.dtype)
 
-    def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether transforms are too noisy for the criterion, so that the certificate must
-        be computed in double precision; never for bodies whose stiffness takes a table in memory.
+    def rounding_counts(self, problem: Problem) -> bool:
+        """Return whether transforms are too noisy, so that the certificate must be computed in
+        double precision; never for bodies whose stiffness takes a table in memory.
         """
-        return not self.model.body.table_share and self.is_noisy(problem, criterion)
+        return not self.model.body.table_share and self.is_noisy(problem)
 
 
 def _give_back() -> None:

@@ -7,7 +7,7 @@ The displacement is then corrected locally for the finer grid's own heights, wit
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -82,15 +82,17 @@ def undeformed_gap(problem: Problem) -> np.ndarray:
     return g
 
 
-class NestedStart(NamedTuple):
-    """What the coarser grids have found. The same on all ranks, but for the gap."""
+class Candidate(NamedTuple):
+    """A gap to start from, or a box to solve the contact in. The same on all ranks, but for the
+    gap."""
 
-    gap: np.ndarray | None  # to start from, local slab; None with a box
-    pairs: float  # FFT pairs that it took, converted to pairs of the grid
+    gap: np.ndarray | None  # local slab; None with a box
+    pairs: float = 0.0  # FFT pairs that it took, converted to pairs of the grid
     # the contacts on all coarser grids, finest first; with a box all but the first
-    coarser: list[CoarseContact]
+    coarser: Sequence[CoarseContact] = ()
     # where all points that can touch are, if asked for and the contact is light
     box: Box | None = None
+    may_be_solved: bool = False  # whether the gap may be the solution
 
 
 class Nested:
@@ -133,7 +135,7 @@ class Nested:
         target: Target,
         into: np.ndarray | None = None,
         find_box: FindBox | None = None,
-    ) -> NestedStart:
+    ) -> Candidate:
         """Solve a problem roughly on the coarser grids, and interpolate to a start on this grid.
 
         On the coarsest grid the start is a rigid plane (`cold_gap`). `target` has or finds the mean
@@ -146,7 +148,7 @@ class Nested:
             g = cold_gap(problem)
             if into is not None:
                 into[...] = g
-            return NestedStart(g if into is None else into, 0.0, [])
+            return Candidate(g if into is None else into)
         coarse = self.step.problem(problem)
         start, box = self._start_of_coarse(coarse, make_solver, target, find_box, problem.grid.comm)
         if box is not None:
@@ -156,7 +158,7 @@ class Nested:
         solver = None
         full = False
         pairs = 0.0
-        coarser: list[CoarseContact] = []
+        coarser: Sequence[CoarseContact] = ()
         signal = 0
         if coarse is not None and start is not None:
             try:
@@ -181,9 +183,9 @@ class Nested:
             interrupt.stop(signal)
         target.agree(problem.grid.comm)
         if box is not None:
-            return NestedStart(None, pairs, coarser, box)
+            return Candidate(None, pairs, coarser, box)
         gap = _prolong(problem, self.step, coarse, solver, full, into)
-        return NestedStart(gap, pairs, coarser)
+        return Candidate(gap, pairs, coarser)
 
     def _start_of_coarse(
         self,
@@ -192,7 +194,7 @@ class Nested:
         target: Target,
         find_box: FindBox | None,
         comm: Comm,
-    ) -> tuple[NestedStart | None, Box | None]:
+    ) -> tuple[Candidate | None, Box | None]:
         """Return the start on the next coarser grid, None on ranks without rows of it; and its box.
 
         Collective on `comm`, that of this grid.

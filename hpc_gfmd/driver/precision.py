@@ -17,7 +17,6 @@ from ..surface.number_range import single_solves
 from ..theory.persson import g_rms_lam_s_over_h_rms
 
 if TYPE_CHECKING:
-    from ..certificate.criterion import StoppingCriterion
     from ..scene import Scene, SolverTable
 
 COARSE = 512  # points along an axis of the coarse surface that `known_heights` makes, at most
@@ -179,13 +178,13 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
     return surface.g_rms, surface.lam_s_over_a / slope
 
 
-def pressure_that_counts(target: StoppingCriterion | SolverTable, p_star: float) -> float:
+def pressure_that_counts(settings: SolverTable, p_star: float) -> float:
     """Return the rms error of the pressure at open points, over E* g_rms, that the requested
     accuracy allows.
 
     It is residual * p_star, which is below 0 under tension, or accuracy * sqrt(p_star), which is 0
     under tension and without an accuracy.
     """
-    if target.residual:
-        return target.residual * p_star
-    return (target.accuracy or 0.0) * max(p_star, 0.0) ** 0.5
+    if settings.residual:
+        return settings.residual * p_star
+    return (settings.accuracy or 0.0) * max(p_star, 0.0) ** 0.5

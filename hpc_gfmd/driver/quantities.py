@@ -74,16 +74,9 @@ class Opening(Gap):
     usual = 1.5
     from_full_contact = True
 
-    def __init__(
-        self,
-        value: float,
-        tolerance: float,
-        error_counts: bool,
-        working: WorkingSurface,
-        opens: float,
-    ):
+    def __init__(self, value: float, working: WorkingSurface, opens: float):
         self.opens = opens
-        super().__init__(value, tolerance, error_counts, working)
+        super().__init__(value, working)
 
     def begin_below(self, closes_at: float) -> None:
         """Set the load that closes the gap, and go to where one open point makes this gap."""
@@ -142,17 +135,12 @@ class Area(Root):
     in_steps = True
 
     def __init__(
-        self,
-        value: float,
-        tolerance: float,
-        error_counts: bool,
-        working: WorkingSurface,
-        history: Sequence[dict[str, float]] = (),
+        self, value: float, working: WorkingSurface, history: Sequence[dict[str, float]] = ()
     ):
         surface = working.surface
         # of the map, for one point of the grid: more than 1 if heights vary along one axis only
         self.map_points = prod(surface.n) // prod(surface.grid.nominal)
-        super().__init__(value, tolerance, error_counts, working, history)
+        super().__init__(value, working, history)
 
     def _clear(self) -> None:
         super()._clear()

@@ -73,7 +73,8 @@ class Root(Target):
     """The root-finder for a quantity y that rises or falls with p0.
 
     x = log(p0 - alone), stretched such that it goes to infinity at `closes_at` (the hardness).
-    tolerance: largest relative miss; error_counts: whether the error of the solution counts, too.
+    `tolerance`: largest relative miss; `error_counts`: whether the error of the solution counts,
+    too.
     """
 
     usual: ClassVar[float] = 1.0  # slope of f over x before any has been measured
@@ -81,16 +82,11 @@ class Root(Target):
     in_steps: ClassVar[bool] = False  # whether y goes in steps: a closed bracket is never left
 
     def __init__(
-        self,
-        value: float,
-        tolerance: float,
-        error_counts: bool,
-        working: WorkingSurface,
-        history: Sequence[dict[str, float]] = (),
+        self, value: float, working: WorkingSurface, history: Sequence[dict[str, float]] = ()
     ):
         self.value = value
-        self.tolerance = tolerance
-        self.error_counts = error_counts
+        self.tolerance = working.settings.tolerance
+        self.error_counts = working.settings.accuracy is not None
         self.finest = self.heights = working.heights
         self.closes_at = working.hardness or inf
         self.slope = self.usual

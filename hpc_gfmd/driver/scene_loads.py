@@ -13,7 +13,7 @@ from ..util.quantities import format_quantity
 from .load import Load
 
 if TYPE_CHECKING:
-    from ..scene import LoadTable, SolverTable
+    from ..scene import LoadTable
     from ..solvers.base import Solver
     from ..surface import Surface
     from .working_surface import WorkingSurface
@@ -22,9 +22,7 @@ FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
 LENGTHS = 100.0  # rounding error of a gap or an approach, over that of the largest height
 
 
-def loads_of(
-    table: LoadTable, working: WorkingSurface, settings: SolverTable, solver: type[Solver]
-) -> list[Load]:
+def loads_of(table: LoadTable, working: WorkingSurface, solver: type[Solver]) -> list[Load]:
     """Return the loads that a scene prescribes, in order, without searches; refuse impossible ones.
 
     A mean gap of 0 becomes an area of 1. working: the surface in the first precision. Raises
@@ -50,7 +48,7 @@ def loads_of(
         )
     if working.model.hardness is not None:
         require_dents(solver, working.model.hardness, name, values, pressures)
-    if settings.precision == "single" and surface.g_rms > 0:
+    if working.settings.precision == "single" and surface.g_rms > 0:
         _require_single(pressures, E_star * surface.g_rms, surface.grid.N)
     if pressures:
         return [Load("pressure", p_mean) for p_mean in pressures]
@@ -59,7 +57,7 @@ def loads_of(
         return [Load("a_r", float(value)) for value in values]
     quantity = "approach" if name == "approach" else "gap_mean"
     unit = surface.h_rms if name == "gap_over_h_rms" else 1.0
-    _require_lengths(name, quantity, values, unit, working, settings)
+    _require_lengths(name, quantity, values, unit, working)
     if quantity == "approach":
         return [Load(quantity, float(value)) for value in values]
     return [Load(quantity, float(value) * unit) if value else Load("a_r", 1.0) for value in values]
@@ -89,17 +87,13 @@ def _require_areas(values: Sequence[float], surface: Surface) -> None:
 
 
 def _require_lengths(
-    name: str,
-    quantity: str,
-    values: Sequence[float],
-    unit: float,
-    working: WorkingSurface,
-    settings: SolverTable,
+    name: str, quantity: str, values: Sequence[float], unit: float, working: WorkingSurface
 ) -> None:
     """Raise SceneError for a mean gap that no pressure gives, or a length that rounding spoils.
 
     name: key of the scene; unit: that of the values, in the surface's unit of length. Collective.
     """
+    settings = working.settings
     stays = settings.precision == "single" or settings.low_memory
     rounding = float(np.finfo(working.dtype if stays else np.float64).eps)
     # the least length over the largest that rounding errors leave as accurate as asked

@@ -21,13 +21,13 @@ from ..solvers import solver_class
 from .box import Box, Rectangle, solved_in
 from .branches import goes_on
 from .drive import certificate_of, drive
-from .nested import Nested, cold_gap, roughly_solved, undeformed_gap
+from .nested import Candidate, Nested, cold_gap, roughly_solved, undeformed_gap
 from .target import Target
+from .working_surface import DOUBLE
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
     from ..operators.problem import Problem
-    from ..scene import SolverTable
     from ..solvers.base import Solver
     from .grid_errors import CoarseContact
     from .load import Load
@@ -64,55 +64,35 @@ class Start(NamedTuple):
     certificate: Certificate | None = None
 
 
-class Candidate(NamedTuple):
-    """A gap to start from, the FFT pairs that it took, the contacts on coarser grids, and whether
-    it may be the solution; or a box to solve the contact in, and no gap yet."""
-
-    gap: np.ndarray
-    pairs: float = 0.0
-    coarser: Sequence[CoarseContact] = ()
-    may_be_solved: bool = False
-    box: Box | None = None
-
-
 class Starter:
-    """Makes the solver of a sweep, starts it at each load, and keeps it from load to load.
+    """Makes the solver of a surface in one precision, starts it at each load, and keeps it.
 
     `solver` is at the solution of the load before, None before the first load and after `forget`.
+    kept: a gap of another precision, from which the first load goes on.
     """
 
-    def __init__(self, settings: SolverTable, duality: bool = False):
-        self.settings = settings
-        self.solver_class = solver_class(settings.name)
+    def __init__(
+        self, working: WorkingSurface, criterion: StoppingCriterion, kept: np.ndarray | None = None
+    ):
+        self.working = working
+        self.settings = working.settings
+        self.criterion = criterion
+        self.solver_class = solver_class(self.settings.name)
         self.solver: Solver | None = None
-        self._kept: np.ndarray | None = None  # see go_on_in
-        self.criterion = StoppingCriterion(
-            settings.accuracy, settings.residual, settings.max_iterations, duality=duality
-        )
-
-    @property
-    def nests(self) -> bool:
-        """Whether contacts without a previous solution are first solved on coarser grids."""
-        return self.settings.nested == "auto" or self.settings.nested
+        self._kept = kept
 
     def forget(self) -> None:
         """Drop the solver and its memory: the next load cannot start from the last solution."""
         self.solver = None
         self._kept = None
 
-    def go_on_in(self, dtype: np.dtype) -> None:
-        """Drop the solver, and keep its gap in another precision for the next start."""
+    def gap_in(self, dtype: np.dtype) -> np.ndarray | None:
+        """Drop the solver, and return its gap in another precision; None without a solver."""
         gap = None if self.solver is None else self.solver.g.astype(dtype)
         self.forget()
-        self._kept = gap
+        return gap
 
-    def start(
-        self,
-        working: WorkingSurface,
-        load: Load,
-        gap: np.ndarray | None = None,
-        in_box: bool = True,
-    ) -> Start:
+    def start(self, load: Load, gap: np.ndarray | None = None, in_box: bool = True) -> Start:
         """Start the solver at a load, and make the solver if there is none. Collective.
 
         The solution of the load before is taken as it is (see `follows`), else the first of `_gaps`
@@ -120,34 +100,31 @@ class Starter:
         contact may be solved in a box. The load's target changes: coarser grids already use it.
         Raises Stopped on all ranks.
         """
-        if gap is None and self._kept is None and self.follows(working, load):
-            return self._continue(working, load)
-        problem = self._problem_to_start(working, load)
-        gaps = self._gaps(working, load, problem, gap, in_box)
+        if gap is None and self._kept is None and self.follows(load):
+            return self._continue(load)
+        if self.working.saves_memory:
+            self.solver = None
+        problem = replace(self.working.problem(load.p0), spring=load.target.spring)
+        gaps = self._gaps(load, problem, gap, in_box)
         best = next(gaps)
-        if best.box is not None:
-            return self._start_in_box(working, load, problem, best)
-        solver, criterion = self._solver_for(working, load, problem, best.gap)
+        if best.gap is None:
+            return self._start_in_box(load, problem, best)
+        solver, criterion = self._solver_for(load, problem, best.gap)
         if best.may_be_solved:
             certificate = _certified(solver, criterion, best.gap)
             pairs = best.pairs + certificate.pairs
             return Start(solver, criterion, pairs, best.coarser, certificate)
         pairs = best.pairs + _lay_down(solver, criterion, best.gap)
         for candidate in gaps:
-            if not _is_worse_than_undeformed(solver):
+            if candidate.gap is None or not _is_worse_than_undeformed(solver):
                 break
-            pairs += candidate.pairs + _lay_down(solver, criterion, candidate.gap)
+            pairs += _lay_down(solver, criterion, candidate.gap)
         return Start(solver, criterion, pairs, best.coarser)
 
     # -- the ways to start
 
     def _gaps(
-        self,
-        working: WorkingSurface,
-        load: Load,
-        problem: Problem,
-        gap: np.ndarray | None,
-        in_box: bool,
+        self, load: Load, problem: Problem, gap: np.ndarray | None, in_box: bool
     ) -> Iterator[Candidate]:
         """Yield gaps to start a load from, the best first.
 
@@ -158,7 +135,7 @@ class Starter:
         """
         kept = self._kept
         self._kept = None
-        memory = working.memory_for_gap(problem, self.solver)
+        memory = self.working.memory_for_gap(problem, self.solver)
         attracts = problem.attraction is not None
         if gap is not None:
             yield Candidate(_filled(problem, memory, gap), may_be_solved=not attracts)
@@ -172,31 +149,31 @@ class Starter:
         if load.target.from_full_contact:
             yield Candidate(_filled(problem, memory, 0.0), may_be_solved=True)
             return
-        nested = working.nested()
-        if nested is None:
-            yield Candidate(cold_gap(problem))
+        if self.settings.nested:  # "auto" or true
+            yield self._nested_start(load, problem, memory, in_box)
         else:
-            bare = replace(problem, attraction=None)
-            find_box = self._box_finder(working, load, nested) if in_box else None
-            start = nested.start(bare, self._make, load.target, memory, find_box)
-            pairs = start.pairs
-            coarser = start.coarser
-            if start.gap is None:
-                yield Candidate(np.empty((0, 0)), pairs, coarser, box=start.box)
-                return
-            gap = start.gap
-            if attracts:
-                coarser = []
-                if nested.is_coarsest:
-                    gap, more = self._without_attraction(bare, gap)
-                    pairs += more
-            del nested  # in low memory the transforms of the coarser grids go with it
-            may_be_closed = load.is_pressure and load.p0 >= problem.body.full_p_star
-            yield Candidate(gap, pairs, coarser, may_be_solved=may_be_closed and not attracts)
-        if working.surface.h is not None:
-            yield Candidate(working.surface.gap)
+            yield Candidate(cold_gap(problem))
+        if self.working.surface.h is not None:
+            yield Candidate(self.working.surface.gap)
 
-    def follows(self, working: WorkingSurface, load: Load) -> bool:
+    def _nested_start(
+        self, load: Load, problem: Problem, memory: np.ndarray | None, in_box: bool
+    ) -> Candidate:
+        """Return the solution on coarser grids; with an attraction that of the contact without it,
+        which is solved on this grid where there is no coarser one. Collective."""
+        bare = replace(problem, attraction=None)
+        nested = self.working.nested()
+        find_box = self._box_finder(load, nested) if in_box else None
+        start = nested.start(bare, self._make, load.target, memory, find_box)
+        if problem.attraction is None:
+            may_be_closed = load.is_pressure and load.p0 >= problem.body.full_p_star
+            return start._replace(may_be_solved=may_be_closed)
+        if not nested.is_coarsest or start.gap is None:
+            return start._replace(coarser=())
+        rough = roughly_solved(bare, self._make, start.gap, WITHOUT_ATTRACTION, Target(problem.p0))
+        return Candidate(rough.g, start.pairs + rough.pairs)
+
+    def follows(self, load: Load) -> bool:
         """Return whether a load starts from the solution of the load before, or goes on in double
         precision.
 
@@ -209,29 +186,30 @@ class Starter:
         if self.solver is None or load.closes:
             return False
         before = self.solver.p0
-        if working.model.attraction is not None:
-            if not goes_on(working.model.branch, load.p0, before):
+        model = self.working.model
+        if model.attraction is not None:
+            if not goes_on(model.branch, load.p0, before):
                 return False
-            if working.model.follows:  # however far: the state before is part of what is asked
+            if model.follows:  # however far: the state before is part of what is asked
                 return True
         return 1 / WARM < load.p0 / before < WARM
 
-    def _continue(self, working: WorkingSurface, load: Load) -> Start:
+    def _continue(self, load: Load) -> Start:
         """Continue the solver at the load's p0, from its present solution, with its counts at 0."""
         solver = self.solver
         assert solver is not None
         solver.reset_counts()
         solver.continue_at(load.p0)
-        return Start(solver, self._criterion_for(working, solver, load.closes), 0.0)
+        return Start(solver, self._criterion_for(solver, load.closes), 0.0)
 
     # -- in a box
 
-    def _box_finder(self, working: WorkingSurface, load: Load, nested: Nested) -> FindBox | None:
+    def _box_finder(self, load: Load, nested: Nested) -> FindBox | None:
         """Return what finds the box of a light contact (box.py); None if it needs the whole grid.
 
         That is a contact with a periodic axis, an attraction, a hardness, or an unknown pressure.
         """
-        model = working.model
+        model = self.working.model
         is_open = all(m < n for m, n in zip(nested.grid.nominal, nested.grid.n))
         if load.target.is_sought or model.attraction or model.hardness or not is_open:
             return None
@@ -245,20 +223,16 @@ class Starter:
 
         return find
 
-    def _start_in_box(
-        self, working: WorkingSurface, load: Load, problem: Problem, best: Candidate
-    ) -> Start:
+    def _start_in_box(self, load: Load, problem: Problem, best: Candidate) -> Start:
         """Start from the contact in a box, or in a larger one if points beyond it penetrate."""
-        nested = working.nested()
-        assert nested is not None  # the box comes from there
+        nested = self.working.nested()
         box = best.box
         pairs = best.pairs
-        alone = partial(self._solve_alone, working)
         while box is not None:
             self.forget()  # its memory is needed for the box
-            solved = solved_in(box, problem, nested.grids, alone)
+            solved = solved_in(box, problem, nested.grids, self._solve_alone)
             gap = problem.grid.empty(problem.dtype)
-            solver, criterion = self._solver_for(working, load, problem, gap)
+            solver, criterion = self._solver_for(load, problem, gap)
             certificate, neglected = certify_pressure(
                 solver.problem_now,
                 solved.part,
@@ -279,21 +253,19 @@ class Starter:
             touching = box.touching.joined(penetrating)
             box = Box.around(touching, problem.grid, nested.grids, problem.grid.comm)
         self.forget()
-        on_whole = self.start(working, load, in_box=False)
+        on_whole = self.start(load, in_box=False)
         return on_whole._replace(pairs=pairs + on_whole.pairs)
 
-    def _solve_alone(
-        self, working: WorkingSurface, problem: Problem
-    ) -> tuple[Solver, float, list[CoarseContact]]:
+    def _solve_alone(self, problem: Problem) -> tuple[Solver, float, Sequence[CoarseContact]]:
         """Solve a contact on a grid of its own, as accurately as asked."""
         target = Target(problem.p0)
         nested = Nested(problem.grid, problem.dtype)
         start = nested.start(problem, self._make, target)
         assert start.gap is not None  # no box is asked for
         solver = self._make(problem, start.gap)
-        criterion = self._criterion_for(working, solver)
+        criterion = self._criterion_for(solver)
         if criterion.residual is not None:  # of the pressure over that of the whole surface
-            share = np.sqrt(problem.grid.N / working.surface.grid.N)
+            share = np.sqrt(problem.grid.N / self.working.surface.grid.N)
             criterion = replace(criterion, residual=criterion.residual * share)
         pairs = start.pairs + _lay_down(solver, criterion, start.gap)
         outcome = drive(solver, criterion, lambda *_: interrupt.check(problem.grid.comm), target)
@@ -301,28 +273,12 @@ class Starter:
 
     # -- their steps
 
-    def _without_attraction(self, problem: Problem, gap: np.ndarray) -> tuple[np.ndarray, float]:
-        """Solve the contact without attraction roughly, by a solver of its own from `gap`, where
-        there is no coarser grid.
-
-        Returns the new gap, in new memory, and the FFT pairs that it took. Raises Stopped on all
-        ranks. Collective.
-        """
-        solver = roughly_solved(problem, self._make, gap, WITHOUT_ATTRACTION, Target(problem.p0))
-        return solver.g, solver.pairs
-
-    def _problem_to_start(self, working: WorkingSurface, load: Load) -> Problem:
-        """Return the problem at the load with stored heights; in low memory drop the solver."""
-        if working.solver_makes_room:
-            self.solver = None
-        return replace(working.problem_to_start(load.p0), spring=load.target.spring)
-
     def _make(self, problem: Problem, gap: np.ndarray | None = None) -> Solver:
         """Make a solver; `gap` becomes its array of the gap (new memory without it)."""
         return self.solver_class(problem, self.settings.options, gap)
 
     def _solver_for(
-        self, working: WorkingSurface, load: Load, problem: Problem, gap: np.ndarray
+        self, load: Load, problem: Problem, gap: np.ndarray
     ) -> tuple[Solver, StoppingCriterion]:
         """Return the solver with its counts at 0 and its p0 at the load, and its criterion.
 
@@ -331,24 +287,22 @@ class Starter:
         heights are freed.
         """
         p0 = load.target.begin()
-        problem = working.problem_to_iterate(replace(problem, p0=p0))
+        problem = self.working.problem_to_iterate(replace(problem, p0=p0))
         if self.solver is None:
             self.solver = self._make(problem, gap)
         self.solver.reset_counts()
         self.solver.p0 = problem.p0
-        return self.solver, self._criterion_for(working, self.solver, load.closes)
+        return self.solver, self._criterion_for(self.solver, load.closes)
 
-    def _criterion_for(
-        self, working: WorkingSurface, solver: Solver, closes: bool = False
-    ) -> StoppingCriterion:
+    def _criterion_for(self, solver: Solver, closes: bool = False) -> StoppingCriterion:
         """Return the criterion of a load; its certificate is in double precision if rounding errors
         would spoil one in the working precision."""
-        double = working.rounding_counts(solver.problem_now, self.criterion)
-        dtype = np.dtype(np.float64) if double else working.dtype
+        working = self.working
+        dtype = DOUBLE if working.rounding_counts(solver.problem_now) else working.dtype
         return replace(
             self.criterion,
             certificate_dtype=dtype.type,
-            in_turn=working.certifies_in_turn and dtype != working.dtype,
+            in_turn=working.saves_memory and dtype != working.dtype,
             closes=closes,
         )
 

@@ -6,15 +6,15 @@ precision goes on from the gap that single precision has reached, and stays for 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
+from ..certificate.criterion import StoppingCriterion
 from ..contact.contact import compared
 from ..parallel import interrupt
 from ..util.errors import SceneError
@@ -26,13 +26,13 @@ from .grid_errors import grid_errors
 from .held import Held
 from .load import Load, Unfinished
 from .low_memory import LowMemorySurface
-from .precision import first_precision, too_little, too_soft
+from .precision import first_precision
 from .quantities import NEARLY_CLOSED, ROOTS, Opening, opening_load
 from .scene_loads import loads_of
 from .starter import Starter
 from .target import Target
-from .without_iterations import Attempt, contact_of, flat_contact, separated_contact
-from .working_surface import WorkingSurface
+from .without_iterations import contact_of, flat_contact, separated_contact
+from .working_surface import DOUBLE, WorkingSurface
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from .drive import Outcome, Watch
     from .grid_errors import CoarseContact
     from .working_surface import MakeSurface
-
-DOUBLE = np.dtype(np.float64)
 
 
 def make_sweep(
@@ -59,49 +57,55 @@ def make_sweep(
     branch: str = "approach",
     unique: bool = False,
 ) -> Sweep:
-    """Make the surface by make_surface(dtype), and compose the sweep that solves loads on it.
-
-    settings: the table [solver] of a scene; duality: whether certificates compute the duality gap;
-    the rest as of `ContactModel`. Raises SceneError if low memory is requested with a solver or a
-    surface that does not support it. Collective.
-    """
+    """Return the sweep of a model with these attributes, as of `Sweep`. Collective."""
     model = ContactModel(float(E_star), body, hardness, attraction, branch, unique, lam_s)
-    return sweep_with(make_surface, settings, model, duality)
-
-
-def sweep_with(
-    make_surface: MakeSurface, settings: SolverTable, model: ContactModel, duality: bool = False
-) -> Sweep:
-    """Compose the sweep of a model on a surface; for the arguments see `make_sweep`."""
-    starter = Starter(settings, duality)
-    kind = WorkingSurface
-    if settings.low_memory:
-        if starter.solver_class.name != "bpx":
-            raise SceneError('solver.low_memory: found true, allowed: with solver.name = "bpx"')
-        kind = LowMemorySurface
-    surface_in = partial(kind, make_surface, model, nests=starter.nests)
-    return Sweep(surface_in, starter)
+    return Sweep(make_surface, settings, model, duality)
 
 
 class Sweep:
     """Solves loads on one surface, one after another; each may start from the one before.
 
-    surface_in(dtype) makes the WorkingSurface, collectively: at once, and again if a load needs
-    double precision. `coarser` are the contacts of the last load on coarser grids; empty if it
-    started elsewhere.
+    make_surface(dtype) makes the surface, collectively: at once, and again if a load needs double
+    precision. settings: the table [solver] of a scene; duality, of_result: as of StoppingCriterion.
+    `coarser` are the contacts of the last load on coarser grids; empty if it started
+    elsewhere. Raises SceneError if low memory is requested with a solver or a surface that does not
+    support it.
     """
 
-    def __init__(self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter):
-        self.surface_in = surface_in
-        self.starter = starter
-        self.settings = starter.settings
+    def __init__(
+        self,
+        make_surface: MakeSurface,
+        settings: SolverTable,
+        model: ContactModel,
+        duality: bool = False,
+        of_result: float | None = None,
+    ):
+        if settings.low_memory and settings.name not in ("auto", "bpx"):
+            raise SceneError('solver.low_memory: found true, allowed: with solver.name = "bpx"')
+        self.make_surface = make_surface
+        self.settings = settings
+        self.model = model
+        self.criterion = StoppingCriterion(
+            settings.accuracy,
+            settings.residual,
+            settings.max_iterations,
+            duality=duality,
+            of_result=of_result,
+        )
         self._history: list[dict[str, float]] = []  # results of the last two loads
         self._failed = False
         self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
         self._punch: np.ndarray | None = None  # see _flat_solution
         self.coarser: Sequence[CoarseContact] = ()
         self._of_grid: GridErrors | None = None  # of the last load with a nested start
-        self.working = surface_in(first_precision(self.settings))
+        self._work_in(first_precision(settings))
+
+    def _work_in(self, dtype: np.dtype, gap: np.ndarray | None = None) -> None:
+        """Make the surface in a precision, and what starts loads there, the first one from a gap if
+        there is one. Collective."""
+        kind = LowMemorySurface if self.settings.low_memory else WorkingSurface
+        self.working = kind(self.make_surface, self.model, self.settings, dtype)
+        self.starter = Starter(self.working, self.criterion, gap)
 
     @property
     def surface(self) -> Surface:
@@ -115,8 +119,8 @@ class Sweep:
 
     def loads(self, table: LoadTable) -> list[Load]:
         """Return the loads of a scene's [load], without searches, as `loads_of`. Collective."""
-        loads = loads_of(table, self.working, self.settings, self.starter.solver_class)
-        if self.working.model.branch != CYCLE:
+        loads = loads_of(table, self.working, self.starter.solver_class)
+        if self.model.branch != CYCLE:
             return loads
         pairs = pairwise(loads)
         return [loads[0], *(replace(load, parts=load.is_beyond(before)) for before, load in pairs)]
@@ -147,15 +151,13 @@ class Sweep:
             If the heights of the surface's file have changed since.
         """
         if self.working.is_flat:
-            return flat_contact(self.working, load, self.starter.criterion)
-        if self._failed and not self.working.model.follows:
+            return flat_contact(self.working, load)
+        if self._failed and not self.model.follows:
             self.starter.forget()
         held = None
-        if self.working.model.attraction is not None and not load.is_pressure:
+        if self.model.attraction is not None and not load.is_pressure:
             if self._stays_separated(load):
-                separated = self._separated(load, 0, 0.0).contact
-                assert separated is not None
-                return separated
+                return self._separated(load)
             load, held, pairs = self._held(load, unfinished)
         else:
             load = replace(load, target=self._target_of(load))
@@ -167,15 +169,15 @@ class Sweep:
         gap = held if unfinished is None else unfinished.gap
         contact, pairs = self._attempt(load, watch, unfinished, gap, pairs)
         if contact is None:
-            self._work_in_double()
+            self._go_on_in_double()
             contact, pairs = self._attempt(load, watch, unfinished, gap, pairs)
         assert contact is not None  # double precision always gives one
         self._failed = contact.status not in ("converged", "interrupted", "separated")
         self._separated_at = load if contact.is_separated else None
-        searched = self.working.model.attraction is None  # with an attraction no load is
+        searched = self.model.attraction is None  # with an attraction no load is
         if contact.status == "converged" and searched:
             self._remember(contact)
-        if self.working.model.unique:
+        if self.model.unique:
             return self._with_other_branch(contact)
         return contact
 
@@ -185,18 +187,17 @@ class Sweep:
         """Return the target of a load without attraction, or under a dead load. Collective."""
         working = self.working
         if load.is_pressure:
-            kind = Target if working.model.attraction is not None else Pressure
+            kind = Target if self.model.attraction is not None else Pressure
             return kind(load.value / working.pressure_unit)
         if load.closes:
             return Closing(self.settings.tolerance)
         is_area = load.quantity == "a_r"
         value = load.value if is_area else load.value / working.surface.slope
-        arguments = value, self.settings.tolerance, self.settings.accuracy is not None, working
-        if load.quantity == "gap_mean" and working.model.hardness is None:
+        if load.quantity == "gap_mean" and self.model.hardness is None:
             opens = opening_load(load.value, working)
             if opens < NEARLY_CLOSED:
-                return Opening(*arguments, opens)
-        return ROOTS[load.quantity](*arguments, self._history)
+                return Opening(value, working, opens)
+        return ROOTS[load.quantity](value, working, self._history)
 
     def _remember(self, contact: Contact) -> None:
         """Store load, area, gap and approach of a solution, from which later targets begin."""
@@ -209,38 +210,17 @@ class Sweep:
         }
         self._history = [*self._history[-1:], solved]
 
-    # -- precisions
-
-    @property
-    def _is_final(self) -> bool:
-        """Whether loads stay in the present precision whatever they turn out to need."""
-        return self.settings.precision != "auto" or self.dtype == DOUBLE
-
-    def _needs_double(self, load: Load, gap: np.ndarray | None = None) -> bool:
-        """Return whether it is known that a load, or a gap to start it from, needs double
-        precision, if the present one is not final."""
-        if self._is_final:
-            return False
-        if load.target.needs_double or (gap is not None and gap.dtype == DOUBLE):
-            return True
-        settings = self.settings
-        surface = self.surface
-        h_rms = surface.h_rms / surface.height_unit
-        if too_soft(settings.accuracy, h_rms, self.working.hardness):
-            return True
-        return too_little(settings, surface.grid.N, load.target.half_area)
-
-    def _work_in_double(self) -> None:
+    def _go_on_in_double(self) -> None:
         """Make the surface again in double precision; the next start is at the solver's gap.
 
         SceneError: the checksum of the heights differs from that of the present surface.
         Collective.
         """
         checksum = self.surface.checksum
-        self.starter.go_on_in(DOUBLE)
+        gap = self.starter.gap_in(DOUBLE)
         self.working.release()
-        del self.working  # its memory is needed for the next one
-        self.working = self.surface_in(DOUBLE)
+        del self.working, self.starter  # their memory is needed for the next ones
+        self._work_in(DOUBLE, gap)
         if checksum not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
 
@@ -253,40 +233,39 @@ class Sweep:
         unfinished: Unfinished | None,
         gap: np.ndarray | None,
         pairs: float,
-    ) -> Attempt:
+    ) -> tuple[Contact | None, float]:
         """Solve a load in the present precision, or as far as it is known to need double precision.
 
         gap: where to start, None if the starter chooses; pairs: FFT pairs that the load has taken
-        before. Without a contact the starter has the gap from which double precision goes on, if
-        there is one. Collective.
+        before. Returns the contact and all pairs so far. Without a contact the starter has the gap
+        from which double precision goes on, if there is one. Collective.
         """
-        load.target.measure(self.working)
-        model = self.working.model
-        attracts = model.attraction is not None
-        begins = gap is None and not self.starter.follows(self.working, load)
-        if self._needs_double(load, gap):
+        working = self.working
+        load.target.measure(working)
+        attracts = self.model.attraction is not None
+        begins = gap is None and not self.starter.follows(load)
+        if working.is_too_coarse(load.target, gap):
             if begins:
                 self.starter.forget()
-            return Attempt(None, pairs)
+            return None, pairs
         if attracts and load.p0 < 0 and begins:
-            return self._separated(load, 0, pairs)
-        start = self.starter.start(self.working, load, gap)
+            return self._separated(load, pairs=pairs), pairs
+        start = self.starter.start(load, gap)
         self.coarser = start.coarser or self.coarser
         solver = start.solver
         if unfinished is not None:
             solver.iterations = unfinished.iterations
         pairs += start.pairs
-        if self._needs_double(load):  # as the coarser grids have found
-            return Attempt(None, pairs + solver.pairs)
-        guard = SaddleGuard(solver, model.branch_of(load)) if attracts else None
+        if working.is_too_coarse(load.target):  # as the coarser grids have found
+            return None, pairs + solver.pairs
+        guard = SaddleGuard(solver, self.model.branch_of(load)) if attracts else None
         outcome = drive(solver, start.criterion, watch, load.target, guard, start.certificate)
         pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
-            return self._separated(load, solver.iterations, pairs)
+            return self._separated(load, solver.iterations, pairs), pairs
         contact = contact_of(
-            self.working,
+            working,
             load,
-            start.criterion,
             solver.p0,
             solver.g,
             solver.p,
@@ -295,14 +274,14 @@ class Sweep:
             iterations=solver.iterations,
             pairs=pairs,
         )
-        is_enough = self._is_final or not needs_double(contact, load, solver.problem_now)
-        if not is_enough or self._needs_double(load):
+        is_enough = working.is_final or not needs_double(contact, load, solver.problem_now)
+        if not is_enough or working.is_too_coarse(load.target):
             if contact.status == "nonfinite":
                 self.starter.forget()
-            return Attempt(None, pairs)
+            return None, pairs
         if unfinished is not None:
             self.coarser, self._of_grid = unfinished.coarser, unfinished.of_grid
-        return Attempt(self._with_grid_errors(contact), pairs)
+        return self._with_grid_errors(contact), pairs
 
     def _with_grid_errors(self, contact: Contact) -> Contact:
         """Return a contact with its errors by the grid.
@@ -311,7 +290,7 @@ class Sweep:
         """
         if self.coarser:
             self._of_grid = grid_errors(contact, self.coarser)
-        if self.working.model.attraction is not None:
+        if self.model.attraction is not None:
             return contact
         return replace(contact, of_grid=self._of_grid)
 
@@ -325,7 +304,7 @@ class Sweep:
     def _stays_separated(self, load: Load) -> bool:
         """Return whether bodies that have come apart stay so at a mean gap or approach: it holds
         them at least as far apart, or undeformed bodies do not touch at it."""
-        if not self.working.model.follows or self._separated_at is None:
+        if not self.model.follows or self._separated_at is None:
             return False
         if load.quantity == "approach":
             touches = load.value > 0
@@ -333,12 +312,10 @@ class Sweep:
             touches = load.value < self.working.heights.top * self.working.surface.slope
         return load.is_beyond(self._separated_at) or not touches
 
-    def _separated(self, load: Load, iterations: int, pairs: float) -> Attempt:
+    def _separated(self, load: Load, iterations: int = 0, pairs: float = 0.0) -> Contact:
         """Return the contact of bodies that have come apart, and drop the solver."""
         self.starter.forget()
-        criterion = self.starter.criterion
-        contact = separated_contact(self.working, load, criterion, iterations, pairs)
-        return Attempt(contact, pairs)
+        return separated_contact(self.working, load, iterations, pairs)
 
     # -- other contacts on the same surface
 
@@ -346,7 +323,7 @@ class Sweep:
         """Return a new sweep of another model on this surface, in the present precision only."""
         precision = "double" if self.dtype == DOUBLE else "single"
         settings = self.settings.model_copy(update={"precision": precision})
-        return sweep_with(lambda dtype: self.surface, settings, model)
+        return Sweep(lambda dtype: self.surface, settings, model)
 
     def _with_other_branch(self, contact: Contact) -> Contact:
         """Solve the load on the other branch, and return the contact with `other_branch` set.
@@ -354,9 +331,9 @@ class Sweep:
         Retraction starts from closed surfaces, the smallest possible gaps; approach as always. The
         FFT pairs of both count. Collective.
         """
-        sweep = self._on_same_surface(self.working.model.on_other_branch)
+        sweep = self._on_same_surface(self.model.on_other_branch)
         start = None
-        if sweep.working.model.follows:
+        if sweep.model.follows:
             start = Unfinished(np.zeros_like(contact.g), contact.p_mean, iterations=0, pairs=0.0)
         other = sweep.solve(Load("pressure", contact.p_mean), self._raise_if_stopped, start)
         return replace(
@@ -374,10 +351,10 @@ class Sweep:
         pairs = 0.0
         if unfinished is not None:
             gap, p0 = unfinished.gap, unfinished.p_mean / working.pressure_unit
-        elif working.model.follows and solver is not None:
+        elif self.model.follows and solver is not None:
             gap, p0 = solver.g.copy(), solver.p0
         else:
-            bare = self._on_same_surface(working.model.without_attraction)
+            bare = self._on_same_surface(self.model.without_attraction)
             start = bare.solve(load, self._raise_if_stopped)
             gap, p0, pairs = start.g, start.p_mean / working.pressure_unit, start.pairs
         value = load.value / working.surface.height_unit
@@ -420,7 +397,7 @@ class Sweep:
             h = np.zeros((rows, points), dtype)
             return replace(surface, h=h, h_rms=0.0, g_rms=0.0, checksum=None)
 
-        sweep = make_sweep(flat, self.settings, body=self.working.model.body)
+        sweep = Sweep(flat, self.settings, ContactModel(body=self.model.body))
         contact = sweep.solve(Load("pressure", 1.0), self._raise_if_stopped)
         self._punch = contact.g
         self._punch[:rows, :points] = contact.p[:rows, :points]

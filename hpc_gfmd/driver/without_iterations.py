@@ -4,7 +4,7 @@ bodies."""
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,24 +13,15 @@ from ..contact.contact import Contact
 from .nested import undeformed_gap
 
 if TYPE_CHECKING:
-    from ..certificate.criterion import StoppingCriterion
     from .load import Load
     from .working_surface import WorkingSurface
 
 EXACT = (0.0, 0.0, 0.0)  # errors of area, mean gap and pressure
 
 
-class Attempt(NamedTuple):
-    """The contact of a load, None if it needs double precision, and all FFT pairs so far."""
-
-    contact: Contact | None
-    pairs: float
-
-
 def contact_of(
     working: WorkingSurface,
     load: Load,
-    criterion: StoppingCriterion,
     p0: float,
     g: np.ndarray,
     p: np.ndarray,
@@ -53,7 +44,7 @@ def contact_of(
         p,
         status,
         certificate,
-        accuracy=criterion.of_result or criterion.tolerance,
+        accuracy=working.settings.tolerance,
         lam_s=model.lam_s,
         body=model.body,
         remark=load.target.note,
@@ -64,7 +55,7 @@ def contact_of(
     )
 
 
-def flat_contact(working: WorkingSurface, load: Load, criterion: StoppingCriterion) -> Contact:
+def flat_contact(working: WorkingSurface, load: Load) -> Contact:
     """Return the contact of a flat periodic surface: closed at any pressure, with errors of 0.
 
     Of a layer on a rigid base the energy and the approach are those of its compression, otherwise 0
@@ -78,12 +69,10 @@ def flat_contact(working: WorkingSurface, load: Load, criterion: StoppingCriteri
     uniform = float(working.model.body.stiffness(np.zeros(1), grid.a)[0])
     if uniform > 0:  # a layer is compressed as a whole
         certificate = replace(certificate, energy=0.5 * p0**2 / uniform, approach=p0 / uniform)
-    return contact_of(working, load, criterion, load.value, g, p, "converged", certificate)
+    return contact_of(working, load, load.value, g, p, "converged", certificate)
 
 
-def unloaded_contact(
-    working: WorkingSurface, load: Load, criterion: StoppingCriterion, apart: float
-) -> Contact:
+def unloaded_contact(working: WorkingSurface, load: Load, apart: float) -> Contact:
     """Return the contact, exactly known, of bodies that do not touch but are `apart`.
     Collective.
     """
@@ -94,11 +83,11 @@ def unloaded_contact(
     certificate = Certificate(errors=EXACT, gap_mean=gap_mean, approach=-apart)
     no_load = replace(load, quantity="pressure", value=0.0)
     p = np.zeros_like(g)
-    return contact_of(working, no_load, criterion, 0.0, g, p, "converged", certificate)
+    return contact_of(working, no_load, 0.0, g, p, "converged", certificate)
 
 
 def separated_contact(
-    working: WorkingSurface, load: Load, criterion: StoppingCriterion, iterations: int, pairs: float
+    working: WorkingSurface, load: Load, iterations: int = 0, pairs: float = 0.0
 ) -> Contact:
     """Return the contact of bodies that have come apart, because the load exceeds the attraction.
 
@@ -109,6 +98,4 @@ def separated_contact(
     certificate = Certificate(errors=EXACT, gap_mean=np.nan)
     p = np.zeros_like(g)
     p0 = load.p0 if load.is_pressure else 0.0
-    return contact_of(
-        working, load, criterion, p0, g, p, "separated", certificate, iterations, pairs
-    )
+    return contact_of(working, load, p0, g, p, "separated", certificate, iterations, pairs)

@@ -14,40 +14,44 @@ from ..laws.base import scaled
 from ..operators.problem import Problem
 from .height_statistics import HeightStatistics
 from .nested import Nested
-from .precision import CALIBRATION, few_points, pressure_that_counts
+from .precision import CALIBRATION, few_points, pressure_that_counts, too_little, too_soft
 
 if TYPE_CHECKING:
-    from ..certificate.criterion import StoppingCriterion
     from ..laws.base import Law
+    from ..scene import SolverTable
     from ..solvers.base import Solver
     from ..surface import Surface
     from .contact_model import ContactModel
+    from .target import Target
 
     MakeSurface = Callable[[np.dtype], Surface]
+
+DOUBLE = np.dtype(np.float64)
 
 
 class WorkingSurface:
     """A surface whose heights are stored in one precision, made by make_surface(dtype) at once.
 
-    nests: whether contacts are solved on coarser grids first; `certifies_in_turn`: whether the
-    solver frees its transforms while a certificate in double precision is computed. Collective.
+    settings: the table [solver] of a scene; `saves_memory`: whether the solver is dropped before
+    each start, and frees its transforms while a certificate in double precision is computed.
+    Collective.
     """
 
-    certifies_in_turn = False
+    saves_memory = False
 
     def __init__(
-        self, make_surface: MakeSurface, model: ContactModel, dtype: np.dtype, nests: bool
+        self, make_surface: MakeSurface, model: ContactModel, settings: SolverTable, dtype: np.dtype
     ):
         self.make_surface = make_surface
         self.model = model
+        self.settings = settings
         self.dtype = dtype
-        self.nests = nests
         self.surface: Surface = make_surface(dtype)
+        self._nested: Nested | None = None
         self._plan()
 
     def _plan(self) -> None:
         """Plan the transforms of the solver, not those of certificates in double. Collective."""
-        self._nested: Nested | None = None
         if not self.is_flat:
             self.surface.grid.fft(self.dtype)
 
@@ -87,15 +91,15 @@ class WorkingSurface:
 
         If the heights are not stored, the surface is made once more for this.
         """
-        surface = self.surface
-        if surface.h is None:
-            surface = self.make_surface(self.dtype)
-        return HeightStatistics.of(self._problem_of(surface, 1.0))
+        made = self.make_surface(self.dtype) if self.surface.h is None else self.surface
+        return HeightStatistics.of(self._problem_of(made, 1.0))
 
     # -- problems
 
     def problem(self, p0: float) -> Problem:
-        """Return the problem at a mean pressure p0, in the program's unit, with stored heights."""
+        """Return the problem at a mean pressure p0, in the program's unit, with stored heights.
+        Collective.
+        """
         return self._problem_of(self.surface, p0)
 
     def _problem_of(self, surface: Surface, p0: float) -> Problem:
@@ -110,51 +114,57 @@ class WorkingSurface:
             height_error=self.model.height_error,
         )
 
-    def problem_to_start(self, p0: float) -> Problem:
-        """Return the problem at p0 with stored heights, to make a starting gap from. Collective."""
-        return self.problem(p0)
-
     def problem_to_iterate(self, problem: Problem) -> Problem:
         """Return the problem to iterate on; here the same one, with stored heights."""
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
-        """Return an array that the starting gap of a problem to start from may overwrite: the
-        solver's gap; None if new memory has to be allocated.
+        """Return an array that the starting gap of a problem may overwrite: the solver's gap; None
+        if new memory has to be allocated.
         """
         return None if solver is None else solver.g
 
-    def nested(self) -> Nested | None:
-        """Return the coarser grids, made at the first call; None without nesting or on a flat
-        surface. Collective.
-        """
-        if self._nested is None and self.nests and not self.is_flat:
+    def nested(self) -> Nested:
+        """Return the coarser grids, made at the first call. Collective."""
+        if self._nested is None:
             self._nested = Nested(self.surface.grid, self.dtype)
         return self._nested
 
+    # -- whether the precision is enough
+
     @property
-    def solver_makes_room(self) -> bool:
-        """Whether the solver is dropped before each start, because its memory is needed."""
-        return False
+    def is_final(self) -> bool:
+        """Whether loads stay in this precision whatever they turn out to need."""
+        return self.settings.precision != "auto" or self.dtype == DOUBLE
 
-    # -- rounding errors
+    def is_too_coarse(self, target: Target, gap: np.ndarray | None = None) -> bool:
+        """Return whether it is known that a load, or a gap to start it from, needs double
+        precision, unless the present one is final."""
+        if self.is_final:
+            return False
+        if target.needs_double or (gap is not None and gap.dtype == DOUBLE):
+            return True
+        h_rms = self.surface.h_rms / self.surface.height_unit
+        if too_soft(self.settings.accuracy, h_rms, self.hardness):
+            return True
+        return too_little(self.settings, self.surface.grid.N, target.half_area)
 
-    def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:
+    def rounding_counts(self, problem: Problem) -> bool:
         """Return whether the certificate must be computed in double precision.
 
         A certificate cannot distinguish rounding errors from pressure out of contact. They matter
         if few points touch (or an unknown number, at p0 <= 0), if few are open, or if the
-        transforms are too noisy for the criterion.
+        transforms are too noisy.
         """
         if problem.p0 <= 0:  # only with an attraction: how many touch is unknown
             return True
-        few_touch = few_points(problem.grid.N, problem.p0, criterion.accuracy)
+        few_touch = few_points(problem.grid.N, problem.p0, self.settings.accuracy)
         few_are_open = problem.p0 >= HALF_SPACE.full_p_star
-        return few_touch or few_are_open or self.is_noisy(problem, criterion)
+        return few_touch or few_are_open or self.is_noisy(problem)
 
-    def is_noisy(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether rounding errors of transforms are too large for the criterion: above a
-        share of the pressure error that it allows.
+    def is_noisy(self, problem: Problem) -> bool:
+        """Return whether rounding errors of transforms are too large: above a share of the pressure
+        error that is allowed.
         """
         noise = problem.noise(self.surface.h_rms / self.surface.height_unit)
-        return noise > CALIBRATION.noise * pressure_that_counts(criterion, problem.p0)
+        return noise > CALIBRATION.noise * pressure_that_counts(self.settings, problem.p0)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from hpc_gfmd.driver.height_statistics import HeightStatistics
 from hpc_gfmd.driver.root import Root
+from hpc_gfmd.scene import SolverTable
 
 TOLERANCE = 1e-3
 HEIGHTS = HeightStatistics(10_000, 1, 1, top=3.0, lowest=0.0, steepness=1.0, alone=0.0)
@@ -22,8 +23,11 @@ class Curve(Root):
     def __init__(self, curve, value, start=1.0, hardness=None, history=()):
         self.curve = curve
         self.start = start
-        working = SimpleNamespace(heights=HEIGHTS, hardness=hardness, surface=None)
-        super().__init__(value, TOLERANCE, True, working, history)
+        settings = SolverTable(accuracy=TOLERANCE)
+        working = SimpleNamespace(
+            heights=HEIGHTS, hardness=hardness, surface=None, settings=settings
+        )
+        super().__init__(value, working, history)
 
     def guess(self, surface):
         return self.x_of(self.start)
