@@ -1,11 +1,17 @@
-"""The accuracy that the solution of a load has to reach."""
+"""The accuracy that the solution of a load has to reach, and how far a state is from it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, isnan, nan
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import DTypeLike
+
+if TYPE_CHECKING:
+    from .certificate import Certificate
+    from .error_estimates import Estimate
 
 
 @dataclass(frozen=True)
@@ -42,3 +48,52 @@ class StoppingCriterion:
         """The same of the result: of its area, and of errors that iterations cannot reduce."""
         tolerance = self.of_result or self.tolerance
         return tolerance / (1 + tolerance)
+
+    def measure(self, residual: float, estimate: Estimate | None) -> float:
+        """Return the residual, or the error that a solver estimates, over the requested one.
+
+        Below 1 the solver expects to meet the criterion, apart from the area, which takes a look at
+        all points. Infinite if an accuracy is requested but this step has estimated no errors.
+        """
+        if self.residual is not None:
+            return residual / self.residual
+        if estimate is None:
+            return inf
+        errors = (0.0, min(estimate.gap, 1.0), estimate.pressure)
+        return self._largest(errors, estimate.attainable)
+
+    def left(self, certificate: Certificate) -> float:
+        """Return the certified residual or error over the requested one, without errors that only
+        rounding keeps above it.
+
+        Infinite if the state is not finite or not stable, or if an error is nan.
+        """
+        if not certificate.finite or certificate.stability <= 0:
+            return inf
+        if self.residual is not None:
+            return certificate.residual / self.residual
+        left = self._largest(certificate.errors, certificate.attainable)
+        return inf if isnan(left) else left
+
+    def _largest(
+        self, errors: tuple[float, float, float], attainable: tuple[float, float]
+    ) -> float:
+        """Return the largest error (area, mean gap, pressure) over the requested one, without those
+        limited by rounding, `attainable`; nan if one is.
+        """
+        area, *others = errors
+        errors_left = [
+            error / self.largest_error
+            for error, best in zip(others, attainable, strict=True)
+            if not best >= self.largest_error  # a limit that is nan is none
+        ]
+        errors_left.append(area / self.largest_of_result)
+        return nan if any(isnan(error) for error in errors_left) else max(errors_left)
+
+    def status(self, certificate: Certificate) -> str:
+        """Return "converged", or "stagnated" if an error that iterations cannot reduce is too
+        large."""
+        met = self.residual is not None or all(
+            error < self.largest_of_result for error in certificate.errors
+        )
+        return "converged" if met else "stagnated"

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -80,10 +79,10 @@ def drive(
     """
     target = target or Target(solver.p0)
     if certificate is not None:
-        error = error_left(certificate, criterion)
+        error = criterion.left(certificate)
         if max(error, target.judge(solver, certificate)) < 1:
             solver.uKu = certificate.uKu  # the next load may go on from here
-            return Outcome(_status_of(certificate, criterion), certificate, 0.0)
+            return Outcome(criterion.status(certificate), certificate, 0.0)
         solver.restart(certificate)
         target.correct(solver, certificate, error < 1)
     limits = Limits(solver, criterion)
@@ -136,16 +135,16 @@ def drive(
                 continue
         certificate = certificate_of(solver, criterion)
         pairs += certificate.pairs
-        error = error_left(certificate, criterion)
+        error = criterion.left(certificate)
         miss = target.judge(solver, certificate)
         if max(error, miss) < 1:
             if guard is None or solver.problem.spring == 0:
                 solver.uKu = certificate.uKu  # the next load may go on from here
-                return Outcome(_status_of(certificate, criterion), certificate, pairs)
+                return Outcome(criterion.status(certificate), certificate, pairs)
             pairs += guard.look()  # for modes that a search with an early end does not see
             if not guard.at_saddle:
                 certificate = replace(certificate, stability=guard.stability)
-                return Outcome(_status_of(certificate, criterion), certificate, pairs)
+                return Outcome(criterion.status(certificate), certificate, pairs)
         if not goes_ahead:
             limits.note_refusal(certificate, max(error, miss, 1.0))
         if limits.refused_too_often:
@@ -176,9 +175,7 @@ def _goes_elsewhere(
     """Let a target change the load if the iterations stagnated at a sufficiently accurate solution;
     return whether it changed p0 of the solver. Collective."""
     certificate = outcome.certificate
-    is_solved = (
-        error_left(certificate, criterion) < 1 and _status_of(certificate, criterion) == "converged"
-    )
+    is_solved = criterion.left(certificate) < 1 and criterion.status(certificate) == "converged"
     if outcome.status != "stagnated" or not is_solved:
         return False
     return target.correct(solver, certificate, is_solved)
@@ -196,9 +193,10 @@ def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:
 class Limits:
     """Decides when a certificate is computed, and when a solver has iterated long enough.
 
-    A certificate is due once the measure (`measure_of`) is below a threshold, 1 at first, which a
-    refusal lowers by the factor by which errors were too large. `measure` is that of the progress
-    noted last, `asked` the same with the stability in it once `is_stable_enough` was asked.
+    A certificate is due once the measure (`StoppingCriterion.measure`) is below a threshold, 1 at
+    first, which a refusal lowers by the factor by which errors were too large. `measure` is that of
+    the progress noted last, `asked` the same with the stability in it once `is_stable_enough` was
+    asked.
     """
 
     def __init__(self, solver: Solver, criterion: StoppingCriterion):
@@ -221,7 +219,7 @@ class Limits:
 
     def note(self, progress: Progress) -> None:
         """Record the progress of an iteration: its measure, and whether it is the best so far."""
-        self.measure = self.asked = measure_of(progress, self.criterion)
+        self.measure = self.asked = self.criterion.measure(progress.residual, progress.estimate)
         if self.measure < CALIBRATION.improvement * self.best:
             self.best = self.measure
             self.best_at = self.solver.iterations
@@ -280,7 +278,7 @@ class Limits:
         """Return whether a certificate is due with the stability in the estimate, or postpone
         it.
         """
-        self.asked = measure_of(progress, self.criterion)
+        self.asked = self.criterion.measure(progress.residual, progress.estimate)
         if self.asked < self.threshold:
             return True
         self._look_later(self.threshold / self.asked)
@@ -348,9 +346,9 @@ def _conclude(
     certificate = certificate_of(solver, criterion)
     pairs += certificate.pairs
     miss = target.judge(solver, certificate)
-    met = max(error_left(certificate, criterion), miss) < 1
+    met = max(criterion.left(certificate), miss) < 1
     if met and reason not in ("nonfinite", "interrupted"):
-        reason = _status_of(certificate, criterion)
+        reason = criterion.status(certificate)
     return Outcome(reason, certificate, pairs)
 
 
@@ -379,58 +377,3 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
         _, _, pressure_error = certificate.errors
         certificate = replace(certificate, errors=(0.0, 0.0, pressure_error))
     return certificate
-
-
-def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
-    """Return the residual, or the error that a solver estimates, over the requested one.
-
-    Below 1 the solver expects to meet the criterion, apart from the area, which takes a look at all
-    points. Infinite if an accuracy is requested but this step has estimated no errors.
-    """
-    if criterion.residual is not None:
-        return progress.residual / criterion.residual
-    estimate = progress.estimate
-    if estimate is None:
-        return np.inf
-    errors = (0.0, min(estimate.gap, 1.0), estimate.pressure)
-    return _largest_over_tolerance(criterion, errors, estimate.attainable)
-
-
-def error_left(certificate: Certificate, criterion: StoppingCriterion) -> float:
-    """Return the certified residual or error over the requested one, without errors that only
-    rounding keeps above it.
-
-    Infinite if the state is not finite or not stable, or if an error is nan.
-    """
-    if not certificate.finite or certificate.stability <= 0:
-        return np.inf
-    if criterion.residual is not None:
-        return certificate.residual / criterion.residual
-    left = _largest_over_tolerance(criterion, certificate.errors, certificate.attainable)
-    return np.inf if np.isnan(left) else left
-
-
-def _largest_over_tolerance(
-    criterion: StoppingCriterion,
-    errors: tuple[float, float, float],
-    attainable: tuple[float, float],
-) -> float:
-    """Return the largest error (area, mean gap, pressure) over the tolerance, without those limited
-    by rounding, `attainable`; nan if one is.
-    """
-    area, *others = errors
-    errors_left = [
-        error / criterion.largest_error
-        for error, best in zip(others, attainable, strict=True)
-        if not best >= criterion.largest_error  # a limit that is nan is none
-    ]
-    errors_left.append(area / criterion.largest_of_result)
-    return nan if any(isnan(error) for error in errors_left) else max(errors_left)
-
-
-def _status_of(certificate: Certificate, criterion: StoppingCriterion) -> str:
-    """Return "converged", or "stagnated" if an error that iterations cannot reduce is too large."""
-    met = criterion.residual is not None or all(
-        error < criterion.largest_of_result for error in certificate.errors
-    )
-    return "converged" if met else "stagnated"

@@ -11,7 +11,7 @@ from hpc_gfmd.certificate.certificate import Certificate
 from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver import drive as module
-from hpc_gfmd.driver.drive import CALIBRATION, drive, error_left
+from hpc_gfmd.driver.drive import CALIBRATION, drive
 from hpc_gfmd.driver.target import Target
 from hpc_gfmd.solvers.base import Progress
 
@@ -210,4 +210,4 @@ def test_error_that_is_left(criterion, certificate, left):
     precision do not count. An error of 1e-3 of the value found is one of 1 / 999 of the true
     one."""
     made = Certificate(**{"contact": 10, "gap_mean": 1.0} | certificate)
-    assert error_left(made, StoppingCriterion(**criterion)) == pytest.approx(left)
+    assert StoppingCriterion(**criterion).left(made) == pytest.approx(left)
