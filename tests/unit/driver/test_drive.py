@@ -25,7 +25,6 @@ class Scripted:
 
     error: object
     patience: int = 60
-    finite: object = lambda iterations: True
     iterations: int = 0
     N: int = 100
     p0: float = 0.1
@@ -38,7 +37,7 @@ class Scripted:
     def progress(self):
         e = self.error(self.iterations)
         estimate = None if e is None else Estimate(0.1 * e, e, squares=0.0)
-        return Progress(0.0, 10, 1.0, estimate, self.finite(self.iterations))
+        return Progress(0.0, 10, 1.0, estimate, True)
 
     def step(self):
         self.iterations += 1
@@ -141,13 +140,6 @@ def test_an_error_that_is_nan_is_not_met(certified, monkeypatch, which):
 
     monkeypatch.setattr(module, "certificate_of", certificate_of)
     assert drive(Scripted(halving), CRITERION).status == "stagnated"
-
-
-def test_nonfinite_progress(certified):
-    certified(lambda solver: np.nan)
-    solver = Scripted(halving, finite=lambda iterations: iterations < 3)
-    assert drive(solver, CRITERION).status == "nonfinite"
-    assert solver.iterations == 3
 
 
 class Doubling(Target):
