@@ -130,18 +130,6 @@ def test_max_iterations(certified, meets, status):
     assert (outcome.status, solver.iterations) == (status, CRITERION.max_iterations)
 
 
-@pytest.mark.parametrize("which", range(3))
-def test_an_error_that_is_nan_is_not_met(certified, monkeypatch, which):
-    errors = [0.0, 0.0, 0.0]
-    errors[which] = np.nan
-
-    def certificate_of(solver, criterion):
-        return Certificate(errors=tuple(errors), contact=10, gap_mean=1.0)
-
-    monkeypatch.setattr(module, "certificate_of", certificate_of)
-    assert drive(Scripted(halving), CRITERION).status == "stagnated"
-
-
 class Doubling(Target):
     """A target that doubles the load after a number of certificates."""
 
@@ -193,7 +181,9 @@ def test_a_target_goes_on_where_iterations_help_no_more(certified, error, status
         ({"accuracy": 1 / 999}, {"errors": (0.0, 0.0, 0.0), "stability": -0.1}, np.inf),
         ({"accuracy": 1 / 999}, {"errors": (0.0, 0.0, 0.0), "stability": 0.1}, 0.0),
         ({"residual": 1e-2}, {"residual": np.nan}, np.inf),
+        ({"accuracy": 1 / 999}, {"errors": (np.nan, 0.0, 0.0)}, np.inf),
         ({"accuracy": 1 / 999}, {"errors": (0.0, np.nan, 0.0)}, np.inf),
+        ({"accuracy": 1 / 999}, {"errors": (0.0, 0.0, np.nan)}, np.inf),
         ({"accuracy": 1 / 999}, {"errors": (0.0, 0.0, 2e-3), "attainable": (0.0, np.nan)}, 2.0),
     ],
 )

@@ -89,15 +89,6 @@ def test_powers_of_the_load(exponent, scale, p0, off):
     assert len(loads) < 3 + abs(off) / log(2) + 8
 
 
-@settings(max_examples=60, deadline=None)
-@given(p0=st.floats(1e-4, 0.9), off=st.floats(-3.0, 3.0))
-def test_saturating_curve(p0, off):
-    def curve(p):
-        return p / (p + 0.1)
-
-    loads_tried(Curve(curve, curve(p0), p0 * exp(off)))
-
-
 def test_nearly_flat_curve_is_crossed():
     def curve(p):
         return 0.2 + 1e-4 * log(p) if p < 0.5 else p
