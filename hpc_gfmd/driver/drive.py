@@ -38,7 +38,7 @@ class LoopCalibration:
     look_again: float = 0.3
     look_again_after: int = 10  # or number of iterations
     # By how much the errors are expected to decrease in a step that is made together with a
-    # certificate: to 0.2 to 0.5. Measured on 394 loads: 2 to 4 % more pairs at 2, alike from 3 to 4
+    # certificate: to 0.2 to 0.5. Measured on 394 loads: about 2 % more pairs at 2
     ahead: float = 3.0
     waits: int = 3  # looks at a saddle after which the solver is kicked away from it
     # relative change of the points in contact that counts as progress, with attraction

@@ -263,6 +263,8 @@ def _by_heights(
     if pressed.g_rms > 0 and not result.missing:
         z = heights.heights()
         result.about += filter(None, [bandwidth_line(z, heights.sizes, heights.unit)])
-    result.about += [note for note in _not_on_reading(heights) if note not in result.about]
+    of_edges = meeting.notes((True, True)) if is_open else []  # which do not meet as mirror images
+    told = [*result.about, *map(str, of_edges)]
+    result.about += [note for note in _not_on_reading(heights) if note not in told]
     if not result.missing:
         result.about += map(str, slope_notes(pressed.g_rms, measured=True))

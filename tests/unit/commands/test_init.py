@@ -144,6 +144,7 @@ def test_the_boundary_of_a_piece(tmp_path, cli, monkeypatch):
     np.savez("map.npz", z=PART, physical_sizes=[1.0, 1.0], unit="um")
     text = cli.prints("init map.npz")
     assert all(f'boundary = "{name}"' in text for name in ("mirror", "free", "periodic"))
+    assert "jump is pressed" not in text  # mirror images have none
     (line,) = [
         line for line in Path("scene.toml").read_text().splitlines() if line.startswith("boundary")
     ]
