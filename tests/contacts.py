@@ -5,8 +5,9 @@ import tomli_w
 
 import hpc_gfmd
 from hpc_gfmd.bodies import body_of
+from hpc_gfmd.driver.contact_model import ContactModel
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.sweep import make_sweep
+from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import loads
 from hpc_gfmd.scene import Material, Scene, SolverTable
@@ -113,11 +114,10 @@ def sweep_over(
     **solver
         Keys of [solver]; EXACT by default.
     """
-    made = make_sweep(
+    made = Sweep(
         lambda dtype: surface_over(z, sizes, dtype, comm, free),
         SolverTable(**solver or EXACT),
-        E_star,
-        body=body or body_of(Material(), free),
+        ContactModel(E_star, body or body_of(Material(), free)),
     )
     return Pressing(made)
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..kernels.certify import KktSums, kkt_residuals
-from ..operators.elastic import Elastic
+from ..operators.elastic import Elastic, reader
 from .certificate import Certificate, Recomputed, measured
 
 if TYPE_CHECKING:
@@ -51,10 +51,7 @@ def certify_pressure(
     _spread(part, p)
     elastic = Elastic(grid, problem.body, dtype)
 
-    def load(i0: int, i1: int, x: np.ndarray) -> None:
-        x[: i1 - i0] = p[i0:i1]
-
-    elastic.pressure_rows(load)
+    elastic.pressure_rows(reader(p))
     uKu = elastic.displacement_columns()
     level = _gap(problem, elastic, part, g)
     penetration, squares = _close(part, g)

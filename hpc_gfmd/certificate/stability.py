@@ -34,7 +34,7 @@ import numpy as np
 
 from ..kernels.adhesive_rows import pull_along, softening
 from ..kernels.subspace import combine_directions, subspace_products
-from ..operators.elastic import Elastic
+from ..operators.elastic import Elastic, reader
 from ..operators.multilevel import Multilevel
 
 if TYPE_CHECKING:
@@ -226,13 +226,10 @@ class _Search:
         K of the mean is the stiffness of the problem's spring, 0 under a dead load.
         """
 
-        def fill(i0: int, i1: int, x: np.ndarray) -> None:
-            x[: i1 - i0] = field[i0:i1]
-
         def use(i0: int, i1: int, x: np.ndarray) -> None:
             out[i0:i1] = x[: i1 - i0] * (1 - self.closed[i0:i1])
 
-        self.elastic.pressure_rows(fill)
+        self.elastic.pressure_rows(reader(field))
         self.elastic.pressure_columns(spring=self.problem.spring)
         self.elastic.use_rows(use)
 

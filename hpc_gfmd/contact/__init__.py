@@ -24,7 +24,7 @@ from ..util.errors import SceneError
 from ..util.plugins import module_in, names_in
 from .base import OF_EVERY_LOAD, Distribution, Observable
 
-COMMON = ("base", "contact", "notes")  # no observable
+COMMON = ("base", "contact", "fields", "notes")  # no observable
 
 
 def all_observables() -> dict[str, Observable]:

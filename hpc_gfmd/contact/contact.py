@@ -21,10 +21,10 @@ from ..parallel.halo import next_row
 from ..parallel.threads import added
 from ..surface import Surface
 from ..surface.number_range import field_dtype
+from .fields import field_of_surface
 from .notes import notes_on
 
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
-SOLVED = "converged", "separated"  # a status that says which equilibrium there is
 
 
 class OtherBranch(NamedTuple):
@@ -426,77 +426,4 @@ class Contact:
                 g = g - self.g[i0:i1, : g.shape[1]]
             return g * real(self.surface.height_unit)
 
-        return _field_of_surface(self.surface, values, dtype)
-
-
-def compared(contact: Contact, other: Contact) -> OtherBranch | None:
-    """Return what `other`, of the same load and grid on the other branch, gives. Collective.
-
-    Both agree if contact points, mean gap and pressure field differ by no more than the sum of
-    their estimated errors (plus one point), or if both are separated. None if one of them is
-    neither converged nor separated.
-    """
-    if contact.status not in SOLVED or other.status not in SOLVED:
-        return None
-    a_r = other.contact_points / other.N
-    if contact.is_separated or other.is_separated:
-        return OtherBranch(a_r, contact.status == other.status)
-    area, gap, pressure = np.add(contact.certificate.errors, other.certificate.errors)
-    points = abs(contact.contact_points - other.contact_points)
-    gaps = abs(contact.gap_mean - other.gap_mean)
-    agrees = (
-        points <= area * contact.contact_points + 1
-        and gaps <= gap * contact.gap_mean
-        and _difference_of_pressures(contact, other) <= pressure
-    )
-    return OtherBranch(a_r, bool(agrees))
-
-
-def _difference_of_pressures(contact: Contact, other: Contact) -> float:
-    """Return the relative L2 norm of the difference of two pressure fields. Collective."""
-
-    def squares(i0: int, i1: int) -> tuple[float, float]:
-        """Return the sums of (p - q)^2 and p^2 over some local rows."""
-        p, q = (one.pressure_rows(i0, i1).astype(np.float64) for one in (contact, other))
-        return float(((p - q) ** 2).sum()), float((p**2).sum())
-
-    grid = contact.grid
-    parts = [(0.0, 0.0), *grid.by_rows(squares, grid.inside[0])]
-    difference, whole = grid.comm.sum(np.sum(parts, axis=0)).tolist()
-    return float(np.sqrt(difference / whole)) if whole > 0 else np.inf
-
-
-def heights_of(surface: Surface) -> LazyField:
-    """Return the heights of a surface as a local slab: scene's unit, peaks up, the highest at 0.
-
-    They are computed from `surface.h`, which must not be None, when the slab is sliced.
-    """
-    h = surface.h
-    assert h is not None  # asked for before a sweep in low memory gives them away
-    dtype = field_dtype("heights", h.dtype, 0.0, surface)
-    return _field_of_surface(
-        surface, lambda i0, i1: h[i0:i1] * -dtype.type(surface.height_unit), dtype
-    )
-
-
-def _field_of_surface(
-    surface: Surface, values: Callable[[int, int], np.ndarray], dtype: np.dtype
-) -> LazyField:
-    """Return a field of this rank's rows of the surface, computed when it is sliced.
-
-    `values(i0, i1)` returns rows of the solver's arrays, cut to the points of the surface, in units
-    of the result, on several threads. If an axis was left out because nothing varies along it
-    (`Surface.reduced_axis`), they are repeated along it.
-    """
-    left_out = surface.reduced_axis
-
-    def rows(i0: int, i1: int) -> np.ndarray:
-        # with the second axis left out every rank has all rows
-        start = surface.rows[0] if left_out == 1 else 0
-        of_arrays = values(0, 1) if left_out == 0 else values(start + i0, start + i1)
-        if left_out is None:
-            return of_arrays
-        return np.broadcast_to(of_arrays, (i1 - i0, surface.n[1]))
-
-    shape = surface.rows[1] - surface.rows[0], surface.n[1]
-    return LazyField(rows, shape, dtype, surface.grid.by_rows)
+        return field_of_surface(self.surface, values, dtype)

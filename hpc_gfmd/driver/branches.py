@@ -14,12 +14,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..certificate.stability import LEAST, stability_of, stability_up_to_equilibrium
+from ..contact.contact import OtherBranch
 from ..kernels.adhesive_rows import gain_along
 
 if TYPE_CHECKING:
+    from ..contact.contact import Contact
     from ..solvers.base import Solver
 
 APPROACH, RETRACTION, CYCLE = "approach", "retraction", "cycle"
+SOLVED = "converged", "separated"  # a status that says which equilibrium there is
 ENOUGH = 1.1  # a stability is accurate enough above this factor times what the errors require
 KICKS = 12  # largest number of kicks away from saddles for one load
 # lengths of a kick that are tried: its largest change of the gap, in ranges of the attraction
@@ -176,3 +179,40 @@ def _mean_of_cell(solver: Solver) -> float:
     grid = solver.grid
     parts = grid.by_rows(lambda i0, i1: float(solver.g[i0:i1].sum(dtype=np.float64)))
     return float(grid.comm.sum([sum(parts)])[0]) / grid.cell_points
+
+
+def compared(contact: Contact, other: Contact) -> OtherBranch | None:
+    """Return what `other`, of the same load and grid on the other branch, gives. Collective.
+
+    Both agree if contact points, mean gap and pressure field differ by no more than the sum of
+    their estimated errors (plus one point), or if both are separated. None if one of them is
+    neither converged nor separated.
+    """
+    if contact.status not in SOLVED or other.status not in SOLVED:
+        return None
+    a_r = other.contact_points / other.N
+    if contact.is_separated or other.is_separated:
+        return OtherBranch(a_r, contact.status == other.status)
+    area, gap, pressure = np.add(contact.certificate.errors, other.certificate.errors)
+    points = abs(contact.contact_points - other.contact_points)
+    gaps = abs(contact.gap_mean - other.gap_mean)
+    agrees = (
+        points <= area * contact.contact_points + 1
+        and gaps <= gap * contact.gap_mean
+        and _difference_of_pressures(contact, other) <= pressure
+    )
+    return OtherBranch(a_r, bool(agrees))
+
+
+def _difference_of_pressures(contact: Contact, other: Contact) -> float:
+    """Return the relative L2 norm of the difference of two pressure fields. Collective."""
+
+    def squares(i0: int, i1: int) -> tuple[float, float]:
+        """Return the sums of (p - q)^2 and p^2 over some local rows."""
+        p, q = (one.pressure_rows(i0, i1).astype(np.float64) for one in (contact, other))
+        return float(((p - q) ** 2).sum()), float((p**2).sum())
+
+    grid = contact.grid
+    parts = [(0.0, 0.0), *grid.by_rows(squares, grid.inside[0])]
+    difference, whole = grid.comm.sum(np.sum(parts, axis=0)).tolist()
+    return float(np.sqrt(difference / whole)) if whole > 0 else np.inf

@@ -4,6 +4,7 @@ stop, and certify the result."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -359,20 +360,18 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
     lost: the solver needs `restart` before its next step. With `criterion.closes` and all points in
     contact the errors of area and mean gap are 0.
     """
-    if criterion.in_turn:
-        solver.make_room()
-    certificate = certify(
-        solver.problem_now,
-        solver.g,
-        solver.p,
-        solver.levels,
-        criterion.certificate_dtype,
-        criterion.duality,
-        solver.stability,
-    )
-    if criterion.in_turn:
-        solver.grid.forget_fft(criterion.certificate_dtype)
-        solver.take_room()
+    with solver.room() if criterion.in_turn else nullcontext():
+        certificate = certify(
+            solver.problem_now,
+            solver.g,
+            solver.p,
+            solver.levels,
+            criterion.certificate_dtype,
+            criterion.duality,
+            solver.stability,
+        )
+        if criterion.in_turn:
+            solver.grid.forget_fft(criterion.certificate_dtype)
     if criterion.closes and certificate.contact == solver.N:
         _, _, pressure_error = certificate.errors
         certificate = replace(certificate, errors=(0.0, 0.0, pressure_error))

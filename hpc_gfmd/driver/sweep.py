@@ -13,12 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..bodies.halfspace import HALF_SPACE
 from ..certificate.criterion import StoppingCriterion
-from ..contact.contact import compared
 from ..parallel import interrupt
 from ..util.errors import SceneError
-from .branches import CYCLE, SaddleGuard
+from .branches import CYCLE, SaddleGuard, compared
 from .contact_model import ContactModel
 from .drive import drive
 from .full_contact import Closing, Pressure, needs_double
@@ -35,31 +33,12 @@ from .without_iterations import contact_of, flat_contact, separated_contact
 from .working_surface import DOUBLE, WorkingSurface
 
 if TYPE_CHECKING:
-    from ..bodies.base import Body
     from ..contact.contact import Contact, GridErrors
-    from ..laws.base import Law
     from ..scene import LoadTable, SolverTable
     from ..surface import Surface
     from .drive import Outcome, Watch
     from .grid_errors import CoarseContact
     from .working_surface import MakeSurface
-
-
-def make_sweep(
-    make_surface: MakeSurface,
-    settings: SolverTable,
-    E_star: float = 1.0,
-    lam_s: float | None = None,
-    duality: bool = False,
-    body: Body = HALF_SPACE,
-    hardness: float | None = None,
-    attraction: Law | None = None,
-    branch: str = "approach",
-    unique: bool = False,
-) -> Sweep:
-    """Return the sweep of a model with these attributes, as of `Sweep`. Collective."""
-    model = ContactModel(float(E_star), body, hardness, attraction, branch, unique, lam_s)
-    return Sweep(make_surface, settings, model, duality)
 
 
 class Sweep:

@@ -17,9 +17,10 @@ from ..parallel.comm import Comm, SerialComm
 from ..parallel.guard import collective_errors
 from ..scene import Material, Scene
 from ..surface import build_surface
+from .contact_model import ContactModel
 from .load import Load
 from .precision import first_precision
-from .sweep import make_sweep
+from .sweep import Sweep
 
 TINY_ATTRACTION = 1e-3, 0.1  # work and range
 TINY = {
@@ -77,14 +78,17 @@ def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: 
     surface = TINY | {"boundary": sides}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
     usual = "single" if first_precision(settings) == np.float32 else "double"
+    model = ContactModel(
+        body=body_of(material, tiny.free),
+        hardness=material.hardness and 1.0,
+        attraction=_tiny_attraction(material),
+    )
     may_need_double = on_ranks and settings.precision == "auto"
     for precision in {usual, "double"} if may_need_double else {usual}:
-        sweep = make_sweep(
+        sweep = Sweep(
             lambda dtype: build_surface(tiny, SerialComm(), dtype),
             settings.model_copy(update={"max_iterations": 3, "precision": precision}),
-            body=body_of(material, tiny.free),
-            hardness=material.hardness and 1.0,
-            attraction=_tiny_attraction(material),
+            model,
         )
         contact = sweep.solve(Load("pressure", 0.05))
         # a contact that is less accurate than asked may not have called it

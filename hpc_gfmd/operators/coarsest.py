@@ -2,7 +2,7 @@
 its threads."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -181,14 +181,6 @@ class CoarsestLevels:
             self._sums,
             self._totals,
         )
-
-    def time_of_a_look(self, clock: Callable[[], float]) -> float:
-        """Return the seconds that a thread takes to look once whether it can go on, by `clock`."""
-        self._turns[[NEXT, ENDED]] = 0
-        self._turns[CLOSED] = -1  # so that no piece may begin
-        begin = clock()
-        self._do_some(1, self._scratch[0])
-        return (clock() - begin) / PATIENCE
 
     def apply(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Copy r and t into `fields`, sweep, and return z on the first level, a view of these."""

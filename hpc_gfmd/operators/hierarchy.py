@@ -9,7 +9,6 @@ rows are gathered on fewer ranks (coarsening.py), which go on in the same way. T
 are complete on each of the remaining ranks, which sweeps them alone.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,7 +17,6 @@ from numpy.typing import DTypeLike
 
 from ..bodies.base import Body
 from ..parallel.coarsening import Level, Transfer, agglomerated, levels, owned_rows
-from ..parallel.comm import stages
 from ..parallel.grid import Grid
 from ..parallel.halo import Overlaps, Windows
 from .coarsest import LevelTables
@@ -136,44 +134,6 @@ def steps_of(
         if alone:
             break
     return steps, hierarchy
-
-
-def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
-    """Split the steps into groups within which a rank restricts without waiting for messages.
-
-    A group ends with a step whose coarse rows are gathered, the last one with the step to the first
-    level that a rank has alone.
-    """
-    groups: list[list[Step]] = [[]]
-    for step in steps:
-        groups[-1].append(step)
-        if step.windows is not None:
-            groups.append([])
-    return groups
-
-
-def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
-    """Return the bytes and the messages that a rank sends in one sweep by its steps."""
-    numbers = messages = 0
-    for group in groups_of(steps):
-        peers: set[int] = set()
-        for step in group[:-1]:
-            sent = step.overlaps.sent_rows
-            numbers += step.fields * sum(sent.values()) * step.transfer.m[1]
-            peers |= set(sent)
-        messages += len(peers)
-        windows = group[-1].windows
-        if windows is not None:
-            down, up = windows.sent_rows(True), windows.sent_rows(False)
-            rows = group[-1].fields * sum(down.values()) + sum(up.values())
-            numbers += rows * group[-1].transfer.m[1]
-            messages += len(down) + len(up)
-    last = steps[-1]
-    if len(last.ranks) > 1 and last.transfer.rank in last.ranks:
-        rounds = stages(len(last.ranks))
-        numbers += rounds * last.fields * last.window_rows * last.transfer.m[1]
-        messages += rounds
-    return numbers * itemsize, messages
 
 
 class Hierarchy:

@@ -14,7 +14,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..contact.contact import Contact, heights_of
+from ..contact.contact import Contact
+from ..contact.fields import heights_of
 from ..driver.warmup import compile_once
 from ..kernels.cache import on_first_compile
 from ..output.fields import FIELDS, Slab

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..contact.contact import heights_of
+from ..contact.fields import heights_of
 from ..output.summary import surface_line
 from ..parallel.comm import SerialComm
 from ..parallel.guard import on_rank_0

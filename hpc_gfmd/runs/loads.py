@@ -21,9 +21,10 @@ from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.response import DUALITY
 from ..driver.branches import APPROACH
+from ..driver.contact_model import ContactModel
 from ..driver.history import History
 from ..driver.load import Load, Unfinished
-from ..driver.sweep import Sweep, make_sweep
+from ..driver.sweep import Sweep
 from ..laws import attraction_of, law_names
 from ..parallel import interrupt
 from ..scene import File, LoadTable, Scene, each, has_unit
@@ -89,18 +90,17 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
     It calls make_surface(dtype) again if a load needs another precision. Raises SceneError if a
     load or a length has a unit and the height map has none, or vice versa.
     """
-    sweep = make_sweep(
-        make_surface,
-        scene.solver,
-        scene.material.E_star,
+    model = ContactModel(
+        float(scene.material.E_star),
+        body_of(scene.material, scene.surface.free),
+        scene.material.hardness,
+        attraction_of(scene.material),
+        scene.branch,
+        scene.load.unique,
         getattr(scene.surface, "lam_s", None),
-        duality=not {"error_bounds", *DUALITY}.isdisjoint(scene.output.observables or ()),
-        body=body_of(scene.material, scene.surface.free),
-        hardness=scene.material.hardness,
-        attraction=attraction_of(scene.material),
-        branch=scene.branch,
-        unique=scene.load.unique,
     )
+    duality = not {"error_bounds", *DUALITY}.isdisjoint(scene.output.observables or ())
+    sweep = Sweep(make_surface, scene.solver, model, duality)
     _require_consistent_units(scene, sweep.surface)
     return sweep
 

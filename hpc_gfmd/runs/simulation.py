@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..contact import all_numbers
-from ..contact.contact import GridErrors, heights_of
+from ..contact.contact import GridErrors
+from ..contact.fields import heights_of
 from ..driver.grid_errors import CoarseContact
 from ..driver.history import History
 from ..driver.load import Unfinished

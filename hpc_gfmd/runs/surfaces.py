@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.contact import heights_of
+from ..contact.fields import heights_of
 from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..scene.height_maps import Reading

@@ -9,6 +9,7 @@ files and clocks are not its business: that is `drive.py`.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -256,15 +257,10 @@ class Solver:
         """
         self.restart()
 
-    def make_room(self) -> None:
-        """Free the memory of the transforms and of the last step, for a certificate or a new start.
-
-        Gap and pressure stay. Call `take_room` before the next step. Only bpx implements the two.
+    def room(self) -> AbstractContextManager[None]:
+        """Free the memory of the transforms and of the last step within a block, after which
+        `restart` has to be called. Gap and pressure stay. Only bpx implements it.
         """
-        raise NotImplementedError
-
-    def take_room(self) -> None:
-        """Allocate what `make_room` freed, with a last step of 0. Then call `restart`."""
         raise NotImplementedError
 
     def step(self) -> None:

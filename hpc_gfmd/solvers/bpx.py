@@ -13,6 +13,8 @@ never appears: with the gap g = u + h and p = p0 + K u, a step d changes them by
 """
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from math import isfinite, sqrt
 
@@ -67,11 +69,11 @@ class Bpx(Solver):
         """Coefficient a of a plain projected gradient step, d = -a z with z = compliance r."""
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
-    def make_room(self) -> None:
+    @contextmanager
+    def room(self) -> Iterator[None]:
         del self.d
         self.elastic.make_room()
-
-    def take_room(self) -> None:
+        yield
         self.elastic.plan()
         self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0

@@ -14,8 +14,9 @@ import numpy as np
 
 from hpc_gfmd.bodies.free import Coupled, Free, matrices_of
 from hpc_gfmd.bodies.images import images, kernel
+from hpc_gfmd.driver.contact_model import ContactModel
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.sweep import make_sweep
+from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import SolverTable
 
@@ -24,10 +25,10 @@ from hpc_gfmd.scene import SolverTable
 def by_cells(contact):
     """Return the pressure of a RoughContact in this discretisation, far more accurate than what is
     measured."""
-    sweep = make_sweep(
+    sweep = Sweep(
         partial(contact.build, SerialComm()),
         SolverTable(precision="double", residual=1e-9),
-        body=Cells((True, True)),
+        ContactModel(body=Cells((True, True))),
     )
     return np.array(sweep.solve(Load("pressure", contact.p_star)).field("pressure"))
 

@@ -15,7 +15,7 @@ from numpy.typing import DTypeLike
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.driver.decimation import Decimation
 from hpc_gfmd.kernels.bpx import UpdateSums
-from hpc_gfmd.operators.hierarchy import Step, steps_of, traffic_of
+from hpc_gfmd.operators.hierarchy import Step, steps_of
 from hpc_gfmd.parallel.coarsening import Level
 from hpc_gfmd.parallel.comm import DryRunComm, stages
 from hpc_gfmd.parallel.grid import Grid
@@ -220,3 +220,41 @@ def busiest(
     return [
         share_of(n, dtype, ranks, rank, per_node=per_node, **options) for rank in sorted(chosen)
     ]
+
+
+def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
+    """Split the steps into groups within which a rank restricts without waiting for messages.
+
+    A group ends with a step whose coarse rows are gathered, the last one with the step to the first
+    level that a rank has alone.
+    """
+    groups: list[list[Step]] = [[]]
+    for step in steps:
+        groups[-1].append(step)
+        if step.windows is not None:
+            groups.append([])
+    return groups
+
+
+def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
+    """Return the bytes and the messages that a rank sends in one sweep by its steps."""
+    numbers = messages = 0
+    for group in groups_of(steps):
+        peers: set[int] = set()
+        for step in group[:-1]:
+            sent = step.overlaps.sent_rows
+            numbers += step.fields * sum(sent.values()) * step.transfer.m[1]
+            peers |= set(sent)
+        messages += len(peers)
+        windows = group[-1].windows
+        if windows is not None:
+            down, up = windows.sent_rows(True), windows.sent_rows(False)
+            rows = group[-1].fields * sum(down.values()) + sum(up.values())
+            numbers += rows * group[-1].transfer.m[1]
+            messages += len(down) + len(up)
+    last = steps[-1]
+    if len(last.ranks) > 1 and last.transfer.rank in last.ranks:
+        rounds = stages(len(last.ranks))
+        numbers += rounds * last.fields * last.window_rows * last.transfer.m[1]
+        messages += rounds
+    return numbers * itemsize, messages

@@ -9,8 +9,9 @@ from itertools import product
 import numpy as np
 from scipy.fft import next_fast_len
 
+from hpc_gfmd.driver.contact_model import ContactModel
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.sweep import make_sweep
+from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.driver.warmup import compile_once
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.comm import MpiComm
@@ -101,7 +102,8 @@ def worker(comm, n, precision, p_star, threads):
     contact = RoughContact(n, p_star)
     scene = contact.scene(solver={"precision": precision, "accuracy": ACCURACY})
     compile_once(comm, scene, lambda contact: None)
-    sweep = make_sweep(partial(contact.build, comm, threads=threads), scene.solver)
+    build = partial(contact.build, comm, threads=threads)
+    sweep = Sweep(build, scene.solver, ContactModel())
     source, target = np.ones((2, COPIED_BYTES // 4), np.float32)
     watch = Stopwatch()
     watch.watch(Multilevel, "sweep", "levels")

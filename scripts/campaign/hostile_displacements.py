@@ -11,8 +11,9 @@ import numpy as np
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import StoppingCriterion
+from hpc_gfmd.driver.contact_model import ContactModel
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.sweep import make_sweep
+from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.scene import Material, SolverTable
@@ -128,13 +129,9 @@ def _solved(wall, contact, hardness, dtype):
 
     unit = wall.E_star * contact.g_rms
     settings = SolverTable(precision="double", residual=1e-10)
-    sweep = make_sweep(
-        partial(surface_of_wall, wall),
-        settings,
-        wall.E_star,
-        body=body_of(Material(), wall.free),
-        hardness=hardness and hardness * unit,
-    )
+    body = body_of(Material(), wall.free)
+    model = ContactModel(wall.E_star, body, hardness and hardness * unit)
+    sweep = Sweep(partial(surface_of_wall, wall), settings, model)
     solution = sweep.solve(Load("pressure", wall.loads[0] * unit))
     surface = surface_of_wall(wall, dtype)
     p0 = wall.loads[0] * contact.g_rms / surface.slope

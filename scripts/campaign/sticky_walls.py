@@ -11,8 +11,9 @@ from functools import partial
 import numpy as np
 
 from hpc_gfmd.bodies import body_of
+from hpc_gfmd.driver.contact_model import ContactModel
 from hpc_gfmd.driver.load import Load, Unfinished
-from hpc_gfmd.driver.sweep import make_sweep
+from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.laws import law_named, law_names
 from hpc_gfmd.scene import Material, SolverTable
 
@@ -79,13 +80,12 @@ def law_of(wall, surface):
 
 def sweep_of(wall, **settings):
     """Return a sweep of a wall on this process."""
-    return make_sweep(
-        partial(surface_of_wall, wall),
-        SolverTable(**settings),
+    model = ContactModel(
         wall.E_star,
-        body=body_of(Material(), wall.free),
+        body_of(Material(), wall.free),
         attraction=law_of(wall, surface_of_wall(wall, float)),
     )
+    return Sweep(partial(surface_of_wall, wall), SolverTable(**settings), model)
 
 
 def judged_rows(wall, way):
