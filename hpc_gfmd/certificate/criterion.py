@@ -81,10 +81,10 @@ class StoppingCriterion:
         """Return the largest error (area, mean gap, pressure) over the requested one, without those
         limited by rounding, `attainable`; nan if one is.
         """
-        area, *others = errors
+        area, *gap_and_pressure = errors
         errors_left = [
             error / self.largest_error
-            for error, best in zip(others, attainable, strict=True)
+            for error, best in zip(gap_and_pressure, attainable, strict=True)
             if not best >= self.largest_error  # a limit that is nan is none
         ]
         errors_left.append(area / self.largest_of_result)

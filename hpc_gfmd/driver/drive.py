@@ -78,86 +78,169 @@ def drive(
     (required with an attraction) computes the stability and leaves saddles; `certificate` is that
     of the start if it may be accurate enough. The solver's state becomes the solution. Collective.
     """
-    target = target or Target(solver.p0)
-    if certificate is not None:
-        error = criterion.left(certificate)
-        if max(error, target.judge(solver, certificate)) < 1:
-            solver.uKu = certificate.uKu  # the next load may go on from here
-            return Outcome(criterion.status(certificate), certificate, 0.0)
-        solver.restart(certificate)
-        target.correct(solver, certificate, error < 1)
-    limits = Limits(solver, criterion)
-    solver.stability = None  # that of the load before is not that of this one
-    pairs = 0.0
-    while True:
+    loop = Loop(solver, criterion, watch, target or Target(solver.p0), guard)
+    outcome = None if certificate is None else loop.begin_with(certificate)
+    while outcome is None:
+        outcome = loop.iterate()
+    return outcome
+
+
+class Loop:
+    """The iterations of one load; `pairs` are the FFT pairs of certificates and stabilities so far.
+    All methods are collective."""
+
+    def __init__(
+        self,
+        solver: Solver,
+        criterion: StoppingCriterion,
+        watch: Watch | None,
+        target: Target,
+        guard: SaddleGuard | None,
+    ):
+        self.solver = solver
+        self.criterion = criterion
+        self.watch = watch
+        self.target = target
+        self.guard = guard
+        self.limits = Limits(solver, criterion)
+        self.pairs = 0.0
+        solver.stability = None  # that of the load before is not that of this one
+
+    def begin_with(self, certificate: Certificate) -> Outcome | None:
+        """Return the outcome if the start is the solution, by its certificate; else begin there."""
+        error = self.criterion.left(certificate)
+        if max(error, self.target.judge(self.solver, certificate)) < 1:
+            return self._solved(certificate)
+        self.solver.restart(certificate)
+        self.target.correct(self.solver, certificate, error < 1)
+        return None
+
+    def iterate(self) -> Outcome | None:
+        """Make a step, and a certificate before or with it if one is due; return the outcome if the
+        load has ended."""
+        solver = self.solver
+        limits = self.limits
         if solver.is_separated:
-            if not target.touches:
-                return Outcome("separated", Certificate(errors=(0.0, 0.0, 0.0)), pairs)
-            if not target.bring_back(solver):
-                return Outcome("stagnated", _of_lost_contact(solver), pairs)
-            limits.begin_again()
-            solver.step()
-            continue
+            return self._bring_back()
         progress = solver.progress()
-        if target.follow(solver, progress):
+        if self.target.follow(solver, progress):
             limits.begin_again()
             progress = solver.progress()
         limits.note(progress)
-        may_be_solved = limits.ask_for_certificate(progress) and _may_be_met(
-            solver, progress, criterion, target
-        )
-        goes_ahead = (
-            not may_be_solved
-            and limits.ask_ahead(progress)
-            and _may_be_met(solver, progress.reduced(CALIBRATION.ahead), criterion, target)
-        )
-        if goes_ahead:
+        if limits.ask_for_certificate(progress) and self._may_be_met(progress):
+            return self._look()
+        if limits.ask_ahead(progress) and self._may_be_met(progress.reduced(CALIBRATION.ahead)):
             limits.went_ahead = True
             solver.step_ahead()
-        elif not may_be_solved:
-            reason = limits.exceeded(progress)
-            if reason is None and watch is not None and watch(solver.iterations, progress):
-                reason = "interrupted"
-            if reason is not None:
-                outcome = _conclude(solver, criterion, target, guard, reason, pairs)
-                if reason != "stagnated" or not _goes_elsewhere(solver, criterion, target, outcome):
-                    return outcome
-                pairs = outcome.pairs
-                limits.begin_again()
+            return self._look(ahead=True)
+        reason = limits.exceeded(progress)
+        if reason is None and self.watch is not None and self.watch(solver.iterations, progress):
+            reason = "interrupted"
+        outcome = None if reason is None else self._conclude(reason)
+        if outcome is None:
             solver.step()
-            continue
+        return outcome
+
+    def _may_be_met(self, progress: Progress) -> bool:
+        """Return whether a certificate may find the area accurate and the target met.
+
+        This takes a pass over all points, unlike the measure. True if a residual is requested.
+        """
+        if self.criterion.accuracy is None:
+            return True
+        return self.target.may_be_met(self.solver, progress, self.criterion.largest_of_result)
+
+    def _bring_back(self) -> Outcome | None:
+        """Let the target press separated bodies together again if they have to touch, and make a
+        step; else return the outcome."""
+        if not self.target.touches:
+            nothing = Certificate(errors=(0.0, 0.0, 0.0))
+            return Outcome("separated", nothing, self.pairs)
+        if not self.target.bring_back(self.solver):
+            return Outcome("stagnated", _of_lost_contact(self.solver), self.pairs)
+        self.limits.begin_again()
+        self.solver.step()
+        return None
+
+    def _look(self, ahead: bool = False) -> Outcome | None:
+        """Return the outcome if a certificate accepts the state; else go on from it by a step, at
+        another load if the target asks for it, or away from a saddle.
+
+        ahead: whether the step to this state was made without its pressure.
+        """
+        solver = self.solver
+        guard = self.guard
+        limits = self.limits
         if guard is not None:
-            pairs += guard.look(limits.measure if criterion.residual is None else 0.0)
-            if _leaves_saddle(limits, guard):
-                continue
+            measure = limits.measure if self.criterion.residual is None else 0.0
+            self.pairs += guard.look(measure)
+            if guard.at_saddle and not limits.wait_at_saddle() and guard.leave_saddle():
+                limits.begin_again()
+                return None
             if guard.at_saddle or not limits.is_stable_enough(solver.progress()):
                 solver.stability = None
                 solver.step()
-                continue
-        certificate = certificate_of(solver, criterion)
-        pairs += certificate.pairs
-        error = criterion.left(certificate)
-        miss = target.judge(solver, certificate)
-        if max(error, miss) < 1:
-            if guard is None or solver.problem.spring == 0:
-                solver.uKu = certificate.uKu  # the next load may go on from here
-                return Outcome(criterion.status(certificate), certificate, pairs)
-            pairs += guard.look()  # for modes that a search with an early end does not see
-            if not guard.at_saddle:
-                certificate = replace(certificate, stability=guard.stability)
-                return Outcome(criterion.status(certificate), certificate, pairs)
-        if not goes_ahead:
+                return None
+        certificate = self._certificate()
+        error = self.criterion.left(certificate)
+        miss = self.target.judge(solver, certificate)
+        outcome = self._solved(certificate) if max(error, miss) < 1 else None
+        if outcome is not None:
+            return outcome
+        if not ahead:
             limits.note_refusal(certificate, max(error, miss, 1.0))
         if limits.refused_too_often:
-            return Outcome("stagnated", certificate, pairs)
+            return Outcome("stagnated", certificate, self.pairs)
         if guard is not None and guard.leave_saddle():
             limits.begin_again()
-            continue
+            return None
         solver.stability = None
         solver.after_certificate(certificate)
-        if target.correct(solver, certificate, error < 1):
+        if self.target.correct(solver, certificate, error < 1):
             limits.begin_again()
         solver.step()
+        return None
+
+    def _certificate(self) -> Certificate:
+        """Certify the present state."""
+        certificate = certificate_of(self.solver, self.criterion)
+        self.pairs += certificate.pairs
+        return certificate
+
+    def _solved(self, certificate: Certificate) -> Outcome | None:
+        """Return the outcome of an accurate state; None if it is a saddle that a spring holds.
+
+        There a search of the stability with an early end may not see all modes.
+        """
+        if self.guard is None or self.solver.problem.spring == 0:
+            self.solver.uKu = certificate.uKu  # the next load may go on from here
+        else:
+            self.pairs += self.guard.look()
+            if self.guard.at_saddle:
+                return None
+            certificate = replace(certificate, stability=self.guard.stability)
+        return Outcome(self.criterion.status(certificate), certificate, self.pairs)
+
+    def _conclude(self, reason: str) -> Outcome | None:
+        """Certify the final state of a load that ends for `reason`, and return its outcome; None if
+        it has stagnated at a solution of another load than the target's, which goes on elsewhere.
+
+        If the certificate meets the criterion all the same, its status replaces the reason (except
+        for "nonfinite" and "interrupted").
+        """
+        if self.guard is not None:
+            self.pairs += self.guard.look()
+        certificate = self._certificate()
+        error = self.criterion.left(certificate)
+        status = self.criterion.status(certificate)
+        miss = self.target.judge(self.solver, certificate)
+        if max(error, miss) < 1 and reason not in ("nonfinite", "interrupted"):
+            reason = status
+        is_missed = reason == "stagnated" and error < 1 and status == "converged"
+        if is_missed and self.target.correct(self.solver, certificate, solved=True):
+            self.limits.begin_again()
+            return None
+        return Outcome(reason, certificate, self.pairs)
 
 
 def _of_lost_contact(solver: Solver) -> Certificate:
@@ -168,27 +251,6 @@ def _of_lost_contact(solver: Solver) -> Certificate:
         gap_mean=solver.progress().gap_mean,
         energy=np.nan,
     )
-
-
-def _goes_elsewhere(
-    solver: Solver, criterion: StoppingCriterion, target: Target, outcome: Outcome
-) -> bool:
-    """Let a target change the load if the iterations stagnated at a sufficiently accurate solution;
-    return whether it changed p0 of the solver. Collective."""
-    certificate = outcome.certificate
-    is_solved = criterion.left(certificate) < 1 and criterion.status(certificate) == "converged"
-    if outcome.status != "stagnated" or not is_solved:
-        return False
-    return target.correct(solver, certificate, is_solved)
-
-
-def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:
-    """Let the guard kick the solver away from a saddle if it has been there for long enough; return
-    whether it did (gap and pressure are new then, and `limits` begins again). Collective."""
-    if not guard.at_saddle or limits.wait_at_saddle() or not guard.leave_saddle():
-        return False
-    limits.begin_again()
-    return True
 
 
 class Limits:
@@ -314,43 +376,6 @@ class Limits:
         if self.solver.iterations - self.best_at > patience:
             return "stagnated"
         return None
-
-
-def _may_be_met(
-    solver: Solver, progress: Progress, criterion: StoppingCriterion, target: Target
-) -> bool:
-    """Return whether a certificate may find the area accurate and the target met.
-
-    This takes a pass over all points, unlike the measure. True if a residual is requested.
-    Collective.
-    """
-    if criterion.accuracy is None:
-        return True
-    return target.may_be_met(solver, progress, criterion.largest_of_result)
-
-
-def _conclude(
-    solver: Solver,
-    criterion: StoppingCriterion,
-    target: Target,
-    guard: SaddleGuard | None,
-    reason: str,
-    pairs: float,
-) -> Outcome:
-    """Certify the final state of a load that ends for `reason`, and return its outcome. Collective.
-
-    If the certificate meets the criterion all the same, its status replaces the reason (except for
-    "nonfinite" and "interrupted"). pairs: of the certificates so far.
-    """
-    if guard is not None:
-        pairs += guard.look()
-    certificate = certificate_of(solver, criterion)
-    pairs += certificate.pairs
-    miss = target.judge(solver, certificate)
-    met = max(criterion.left(certificate), miss) < 1
-    if met and reason not in ("nonfinite", "interrupted"):
-        reason = criterion.status(certificate)
-    return Outcome(reason, certificate, pairs)
 
 
 def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
