@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain, open_moments
+from ..kernels.certify import BINS, PER_OCTAVE, changing_points, count_uncertain, open_moments
 from ..parallel.threads import added
 from .error_estimates import CALIBRATION, Estimate
 
@@ -43,43 +43,14 @@ def misclassified_points(
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     # the contact grows with the load, about in proportion
-    joining_by_load = errors.missing_load * contact
-
-    def changing(points: np.ndarray, by_load: float, squares: float) -> float:
-        likely = max(_likely_to_change(problem, points, takes, mean_square, by_load), 0.0)
-        spent = np.cumsum((points * takes)[::-1])
-        easiest = np.cumsum(points[::-1])
-        affordable = np.floor(np.interp(squares, spent, easiest))
-        return float(min(likely, affordable))
-
-    leaving = changing(inside, -joining_by_load, errors.squares)
-    joining = changing(outside, joining_by_load, squares_outside)
+    by_load = errors.missing_load * contact
+    margins = CALIBRATION.reach, CALIBRATION.few, problem.hardness is not None
+    leaving = changing_points(inside, takes, mean_square, -by_load, errors.squares, *margins)
+    joining = changing_points(outside, takes, mean_square, by_load, squares_outside, *margins)
     if problem.hardness is not None:
         carrying = problem.grid.N * problem.p0 / problem.hardness
         leaving = max(min(leaving, np.floor(contact - carrying)), 0.0)
     return float(max(leaving, joining))
-
-
-def _likely_to_change(
-    problem: Problem, points: np.ndarray, takes: np.ndarray, mean_square: float, follow_load: float
-) -> float:
-    """Return how many points of a histogram will probably change sides, with a margin for scatter.
-
-    In reach are points whose change takes less than CALIBRATION.reach times the rms error of the
-    pressure (`mean_square`): with a hardness all of them are expected to change sides, otherwise
-    those of the half of this range with more points. At least `follow_load` are expected, the
-    points that a correction of the load moves to the other side (below 0: in the opposite
-    direction). The root of the expected number is added. No less than CALIBRATION.few, or than all
-    points if these are fewer.
-
-    points, takes: (BINS,), number of points and squared change of pressure of each bin.
-    """
-    near, within = (
-        points[takes < mean_square * x**2].sum() for x in (CALIBRATION.reach / 2, CALIBRATION.reach)
-    )
-    expected = within if problem.hardness is not None else max(near, within - near)
-    expected = max(expected, follow_load)
-    return max(expected + np.sqrt(expected), min(points.sum(), CALIBRATION.few))
 
 
 def _lone_point_factor(problem: Problem, contact: float) -> float:

@@ -127,9 +127,14 @@ class Loop:
             limits.begin_again()
             progress = solver.progress()
         limits.note(progress)
-        if limits.ask_for_certificate(progress) and self._may_be_met(progress):
+        is_due = limits.ask_for_certificate(progress)
+        goes_ahead = limits.ask_ahead(progress)
+        if goes_ahead:  # what a further step would not reach is not reached now
+            goes_ahead = self._may_be_met(progress.reduced(CALIBRATION.ahead))
+            is_due = is_due and goes_ahead
+        if is_due and self._may_be_met(progress):
             return self._look()
-        if limits.ask_ahead(progress) and self._may_be_met(progress.reduced(CALIBRATION.ahead)):
+        if goes_ahead:
             limits.went_ahead = True
             solver.step_ahead()
             return self._look(ahead=True)

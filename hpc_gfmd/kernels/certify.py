@@ -185,6 +185,46 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
 
 
 @kernel
+def changing_points(points, takes, mean_square, by_load, squares, reach, few, all_change):
+    """Return how many points of a histogram change sides, with a margin for scatter.
+
+    In reach are points whose change takes less than `reach` times the rms error of the pressure
+    (`mean_square`): with `all_change` all of them are expected to change, otherwise those of the
+    half of this range with more points, and at least `by_load`. The root of the expected number is
+    added. No less than `few`, or than all points if these are fewer, and no more than a sum of
+    squared changes of `squares` moves, the easiest first.
+
+    points, takes: (BINS,), number of points and squared change of pressure of each bin.
+    """
+    near = 0.0
+    within = 0.0
+    total = 0.0
+    spent = 0.0
+    affordable = 0.0
+    fits = True
+    for k in range(BINS - 1, -1, -1):  # the easiest first
+        number = points[k]
+        if number == 0:
+            continue
+        total += number
+        if takes[k] < mean_square * reach**2:
+            within += number
+            if takes[k] < mean_square * (reach / 2) ** 2:
+                near += number
+        work = number * takes[k]
+        if spent + work <= squares:
+            affordable += fits * number
+            spent += work
+        elif fits:
+            affordable += (squares - spent) / takes[k]
+            fits = False
+    expected = within if all_change else max(near, within - near)
+    expected = max(expected, by_load)
+    likely = max(expected + np.sqrt(expected), min(total, few), 0.0)
+    return min(likely, np.floor(affordable))
+
+
+@kernel
 def count_heights(g, inside, largest, counts):
     """Count open points by their gap, and dents by their depth: counts (2, BINS + 1).
 
