@@ -18,6 +18,9 @@ from .error_estimates import CALIBRATION, Estimate
 if TYPE_CHECKING:
     from ..operators.problem import Problem
 
+# smallest number in each bin of a histogram, over the largest of all
+SMALLEST = np.append(2.0 ** (-np.arange(1, BINS) / PER_OCTAVE), 0.0)
+
 
 def misclassified_points(
     problem: Problem, g: np.ndarray, p: np.ndarray, errors: Estimate, spread: float, contact: float
@@ -40,8 +43,7 @@ def misclassified_points(
         return 0.0
     counts = _uncertain_points(problem, g, p, tie if is_double else 0.0, sure, largest, errors.fall)
     inside, outside = counts
-    takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
-    takes[-1] = 0.0
+    takes = largest * SMALLEST
     # the contact grows with the load, about in proportion
     by_load = errors.missing_load * contact
     margins = CALIBRATION.reach, CALIBRATION.few, problem.hardness is not None
