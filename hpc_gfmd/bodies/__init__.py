@@ -1,5 +1,4 @@
-"""One elastic body per file; `base.py` says what a body is. Nothing outside this folder knows a
-stiffness."""
+"""One elastic body per file (base.py says what it is); no other folder knows a stiffness."""
 
 from __future__ import annotations
 

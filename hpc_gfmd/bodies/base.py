@@ -1,9 +1,8 @@
-"""What an elastic body is: its stiffness K(q) on any grid, and all numbers that the solvers derive
-from it.
+"""What an elastic body is: its stiffness K(q) on any grid, and what solvers derive from it.
 
 Units as in operators/problem.py: E* = 1, in-plane lengths in grid spacings a. Load control
-eliminates the rigid translation, so on a grid K(0) = 0 and S = 1/K has zero mean; the response to a
-uniform pressure (`stiffness` at q = 0) enters the approach alone.
+eliminates the rigid translation: K(0) = 0 and S = 1/K has zero mean; the response to a uniform
+pressure (`stiffness` at q = 0) enters the approach alone.
 """
 
 from __future__ import annotations
@@ -269,10 +268,7 @@ class Body:
 
     @once_per_grid
     def scale(self, grid: Grid) -> float:
-        """Return K of the grid's shortest wave over sqrt 2: the weight of the finest level, in 1/a.
-
-        The shortest wave is the corner of the Brillouin zone.
-        """
+        """Return the finest level's weight: K (1/a) at the Brillouin zone's corner over sqrt 2."""
         return float(self.stiffness(np.array([SQRT2 * grid.q_nyquist]), grid.a)[0]) / SQRT2
 
     @once_per_grid
@@ -288,10 +284,9 @@ class Body:
 
     @once_per_grid
     def typical(self, grid: Grid) -> float:
-        """Return a typical K of the waves in the residual that solvers leave, in 1/a.
-
-        It converts an error of the energy into one of the pressure. It is the largest K up to LEFT
-        times the shortest wave number, scaled to equal `scale` where K is proportional to q.
+        """Return a typical K (1/a) of waves in the residual, which turns an error of energy into
+        one of pressure: the largest up to LEFT times the shortest, equal to `scale` where K goes as
+        q.
         """
         shortest = SQRT2 * grid.q_nyquist
         K = self.stiffness(
@@ -300,15 +295,14 @@ class Body:
         return float(K.max()) / (SQRT2 * LEFT)
 
     def weights(self, grid: Grid) -> np.ndarray:
-        """Return the stiffness of each level of the preconditioner, relative to the finest.
+        """Return the stiffness of each level of the preconditioner, finest first, relative to the
+        finest.
 
-        An array of one number per level, finest first; the larger it is, the less a level corrects.
-        A wave is corrected on its own level and on all finer ones. So K of a level is the largest
-        of all waves as long as its own or longer. Where it falls less than in proportion to q from
-        a level to the next (a thin layer pressed by long waves), the next one has little to add, or
-        nothing: its weight rises up to NOTHING. Where it falls more (a soft base), it is at most
-        twice the K of waves twice as long, of which the next level sees only a part. The last level
-        is the rigid translation, which nothing resists but contact.
+        The larger it is, the less a level corrects. K of a level is the largest of its waves and
+        longer ones, which finer levels correct too. Where it falls less than in proportion to q (a
+        thin layer pressed by long waves) the next level has little to add: its weight rises up to
+        NOTHING. Where it falls more (a soft base) it is at most twice the K of waves twice as long.
+        The last level is the rigid translation, which only contact resists.
         """
         q = np.array([level.q for level in levels(grid)])
         longer = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES), 0)
@@ -330,10 +324,9 @@ class Body:
     def softness(self, grid: Grid) -> np.ndarray:
         """Return what each level adds to S, over S of the shortest wave; finest level first.
 
-        For a field r of zero mean, <r, S r> is bounded by the squares of r on the levels times
-        these numbers (operators/multilevel.py). They are not 1/weights where K is flat: S of a
-        level is the largest of all shorter waves. It also has to serve waves up to STEEP times as
-        long, of which coarser levels see a part, as it does where S rises in proportion to 1/q.
+        <r, S r> of a field r of zero mean is bounded by its squares on the levels times these
+        numbers (operators/multilevel.py): the largest S of shorter waves, or as for S in proportion
+        to 1/q up to waves STEEP times as long, of which coarser levels see a part.
         """
         q = np.array([level.q for level in levels(grid)])
         shorter = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES) * q[0], q)
@@ -347,12 +340,10 @@ class Body:
 
     @once_per_grid
     def near(self, grid: Grid) -> np.ndarray:
-        """Return K in real space, in 1/a, between a point and itself, and its nearest neighbours.
+        """Return K in real space (1/a): itself, neighbours along x, along y, diagonal; shape (4,).
 
-        These are the pressures, for E* = 1, at a point that is displaced by 1 while all others are
-        held, at its neighbours along x and along y, and at the diagonal ones. Along an axis of less
-        than three points there are no neighbours: their numbers are 0. The array (4,) is kept for
-        later calls and must not be changed.
+        These are pressures, for E* = 1, where one point is displaced by 1 and others are held; 0
+        along an axis of less than three points. The array is cached: do not change it.
         """
         n_x, n_y = (min(k, NEAR_POINTS) for k in grid.n)
         q_x, q_y = (

@@ -1,13 +1,12 @@
 """The elastic half-space under a surface with free boundaries along one axis or both.
 
-The grid is a cell longer than the surface along each free axis, and points beyond the surface never
-touch. Between two points of the surface S must be that of free space; between others it is
-arbitrary. So S is that of the periodic half-space plus, in the lowest modes of the cell, what
-cancels the images (bodies/images.py). K is its inverse: |q|/2, except that these modes are coupled.
+The grid is a cell longer than the surface along free axes, and points beyond it never touch. S must
+be that of free space between points of the surface and is arbitrary elsewhere: it is S of the
+periodic half-space plus, in the lowest modes, what cancels the images (bodies/images.py). K is its
+inverse: |q|/2, except that these modes are coupled.
 
-On a grid |q| has a kink where the wave numbers end, which gives S a tail, (-1)^i/i^2 along either
-axis, and so images of its own that do not decay as 1/r. The wave numbers of a free axis are rounded
-there, so that K is smooth and S does not depend on the cell.
+On a grid |q| has a kink where the wave numbers end, which gives S a tail, (-1)^i/i^2, and images
+that do not decay as 1/r. Wave numbers of a free axis are rounded there, so that K is smooth.
 """
 
 from collections.abc import Sequence
@@ -35,10 +34,7 @@ Matrices = dict[bool, dict[tuple[int, int], np.ndarray]]
 
 
 class Shape(NamedTuple):
-    """What `images` needs to know of a grid; lengths in units of the root of the cell's area.
-
-    At most three times as many `points` as modes along an axis, beyond which they do not matter.
-    """
+    """What `images` needs of a grid, in roots of the cell's area; at most three `points` a mode."""
 
     cell: tuple[float, float]
     inside: tuple[float, float]
@@ -71,10 +67,7 @@ class Free(HalfSpace):
 
     @once_per_grid
     def bounds(self, grid: Grid) -> tuple[float, float]:
-        """Return bounds of K on a grid, in 1/a.
-
-        The lower one is below the smallest K of the waves: coupled modes are softer.
-        """
+        """Return bounds of K, in 1/a; the lower is below all waves: coupled modes are softer."""
         smallest, largest = super().bounds(grid)
         return 0.4 * smallest, largest  # S of a mode is at most 2.5 times that of the cell
 
@@ -84,10 +77,7 @@ class Free(HalfSpace):
         return q_x, q_y
 
     def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
-        """Make the Multipliers that also couple the lowest modes. Collective.
-
-        Those of the periodic half-space if no free axis of the grid has more than two points.
-        """
+        """Make Multipliers that couple the lowest modes of the free axes. Collective."""
         shape = self._shape(grid)
         return (
             Coupled(grid, fft, q, *_half_space(shape, fft.dtype))
@@ -149,11 +139,7 @@ def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
 
 
 def matrices_of(of_shape: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
-    """Return {inverse: {parities: (stack, m, m)}}, what is added to K, or to S, of the lowest
-    modes.
-
-    `S` is that of the cell alone, of each mode.
-    """
+    """Return {inverse: {parities: (stack, m, m)}}, added to K or S of the lowest modes."""
     return {
         inverse: {parity: matrix.astype(dtype) for parity, matrix in matrices.items()}
         for inverse, matrices in ((False, of_shape.inverse(S)), (True, of_shape.T))
@@ -163,9 +149,9 @@ def matrices_of(of_shape: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
 class Coupled(Multipliers):
     """Multipliers that also couple the lowest modes of the cell, by the images of its Shape.
 
-    `couple` computes what coupling adds to the product: `up` and `down`, for wave numbers along x
-    from 0 up and for the negative ones, and `energy`, added to <u, K u> or <p, S p>. `norm` makes
-    the modes orthonormal; `unit` holds the factors of the matrices for K (False) and S (True).
+    `couple` computes what that adds: `up` and `down` for wave numbers along x from 0 up and
+    negative, `energy` for <u, K u> or <p, S p>. `norm` makes modes orthonormal; `unit`: factors for
+    K and S.
     """
 
     alone = False

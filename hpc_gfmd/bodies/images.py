@@ -1,16 +1,14 @@
-"""What the images of a surface with free boundaries add to its displacement in a periodic cell, and
-an operator that takes it out again.
+"""What images of a surface with free boundaries add to its displacement in a cell, and its inverse.
 
 S of free space is S of the cell plus c(r), where -c is the sum over the images of the origin.
-Between points of a surface that leaves a part of the cell empty c is smooth: an operator T on the
-lowest modes of the cell reproduces it to ten digits. What T does beyond the surface is arbitrary: T
-is the least one, in the norm of S, so that S + T is positive and nearly S. T leaves the mean alone,
-up to a constant, because load control does not know which point is at rest. On the surface other
-modes have to represent the mean, and the more digits they give, the less S + T is like S; seven
-digits are a compromise.
+Between points of a surface that leaves part of the cell empty c is smooth: an operator T on the
+lowest modes reproduces it to ten digits. Beyond the surface T is arbitrary: it is the least one in
+the norm of S, so that S + T is positive and nearly S. T leaves the mean alone, up to a constant, as
+load control does not know which point is at rest. Other modes have to represent the mean on the
+surface; the more digits they give, the less S + T is like S: seven digits are a compromise.
 
 Modes are products of cos (parity 1) and sin (-1) of both coordinates, from the middle of the
-surface, orthonormal over the cell; T does not mix parities. Lengths are in any unit, E* = 1.
+surface, orthonormal over the cell; T does not mix parities. Any unit of length, E* = 1.
 """
 
 from dataclasses import dataclass
@@ -37,12 +35,11 @@ PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
 @dataclass(frozen=True)
 class Images:
-    """The operator T that is added to S of a periodic cell to get S of free space, on its lowest
-    modes.
+    """The operator T on the lowest modes, added to S of a periodic cell to get S of free space.
 
-    T[parities along x and y] is a stack of matrices (stack, m, m), in the order of `stacked`; an
-    axis of parity -1 lacks the mode k = 0. `constant` is S of the mean, which T leaves out, over
-    the area of the cell; nan if one axis is periodic. Objects are shared: do not change the arrays.
+    T[parities along x and y]: (stack, m, m), in the order of `stacked`; an axis of parity -1 lacks
+    k = 0. `constant`: S of the mean over the area of the cell, nan if one axis is periodic. Shared:
+    do not change the arrays.
     """
 
     T: dict[tuple[int, int], np.ndarray]
@@ -51,20 +48,15 @@ class Images:
     constant: float
 
     def stacked(self, a: np.ndarray) -> np.ndarray:
-        """Arrange numbers of modes (m_x, m_y) in the order of T: (stack, m).
-
-        If both axes are free, T couples all modes: one row of m_x m_y. If one is periodic, T
-        couples only modes with the same number along it: a row for each.
+        """Arrange modes (m_x, m_y) as (stack, m): one row where both axes are free, else a row for
+        each number along the periodic axis, since T couples only equal ones.
         """
         if all(self.free):
             return a.reshape(1, -1)
         return a.T if self.free[0] else a
 
     def inverse(self, S: np.ndarray) -> dict[tuple[int, int], np.ndarray]:
-        """Return (S + T)^-1 - 1/S for each pair of parities, in the form of T; 0 for the mean.
-
-        S: array (m_x, m_y) of all modes k_x, k_y >= 0.
-        """
+        """Return (S + T)^-1 - 1/S by parities, 0 for the mean; S: (m_x, m_y), k_x, k_y >= 0."""
         out = {}
         for (a, b), T in self.T.items():
             S_of_parity = S[int(a < 0) :, int(b < 0) :].copy()
@@ -111,9 +103,8 @@ def images(
 class _Nodes:
     """Points of one half of the surface along an axis, to fit functions of either parity.
 
-    offsets: distances of the points of the whole surface from its first one; fits: for each parity,
-    what `_fit` returns; even: the even modes at the points, rotated to as many rows as there are
-    modes.
+    offsets: distances of all points from the first; fits: `_fit` by parity; even: the even modes at
+    the points, rotated to a row a mode.
     """
 
     def __init__(self, cell: float, inside: float, modes: int):
@@ -130,16 +121,14 @@ class _Nodes:
 
     @staticmethod
     def _fit(basis: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Return U, s and V, times the root of S once more, of the singular value decomposition of
-        a basis times the root of S; k: mode numbers of the basis.
-        """
+        """Return U, s, V (times the root of S again) of the SVD of a basis times the root of S."""
         root = k**-0.5  # of S, about
         U, s, V = np.linalg.svd(basis * root, full_matrices=False)
         return U, s, V.T * root[:, None]
 
     def pairs(self, parity: int) -> list[tuple[float, np.ndarray]]:
-        """Return how an even function of the distance acts on functions of a parity: two terms,
-        each a weight and an array of indices to `offsets`, from point to point of the half.
+        """Return two terms, weight and indices to `offsets`, by which an even function of the
+        distance acts on functions of a parity.
         """
         i = self._i[:, None]
         j = self._i
@@ -147,12 +136,9 @@ class _Nodes:
 
 
 def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
-    """Return the symmetric T for which basis T basis' is a kernel D of distances between any points
-    of the axes, the last axis fastest.
-
-    D: values at the offsets of each axis; axes: nodes and parity of the modes. Combinations of
-    modes whose product of singular values is below LEAST times the largest are rounding errors and
-    have no part in T.
+    """Return the symmetric T for which basis T basis' is a kernel D of distances between points,
+    given at the offsets of each axis. Modes below LEAST times the largest singular value are
+    rounding errors.
     """
     fits = [nodes.fits[parity] for nodes, parity in axes]
     size = np.ones(())
@@ -169,15 +155,14 @@ def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
 
 
 def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return a T that is the given one on the surface, up to a constant, but 0 for the mean mode;
-    and the constant.
+    """Return the T that is the given one on the surface up to a constant, but 0 for the mean; the
+    constant.
 
-    The mean is the first mode, q = 0; basis: values of the modes at points of the surface, a column
-    each (its rows may be rotated). On the surface the mean is a combination m of the other modes.
-    With t of the mean and A of the others in T, modes scaled so that S is 1, T is A + m t' + t m' +
-    x m m', where the constant makes x free. In the plane of m and t two eigenvalues relative to
-    those of 1 + A are then not 1: x makes the smaller one SOFTEST. m has as many singular values as
-    leave the larger one below STIFFEST.
+    basis: a column of values for each mode, the mean (q = 0) first. On the surface the mean is a
+    combination m of the other modes. With t of the mean and A of the others in T, modes scaled to S
+    = 1, T is A + m t' + t m' + x m m', where the constant makes x free. In the plane of m and t two
+    eigenvalues relative to 1 + A differ from 1: x makes the smaller one SOFTEST; m has as many
+    singular values as leave the larger below STIFFEST.
     """
     root = np.sqrt(2 / q[1:])  # of S
     U, s, V = np.linalg.svd(basis[:, 1:] * root, full_matrices=False)
@@ -208,12 +193,10 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """Return c = S of free space minus S of the periodic cell at offsets (x, y), E* = 1; both axes
-    free.
+    """Return c = S of free space minus S of the cell (which has no mean), both axes free, E* = 1.
 
-    S of the cell has no mean. -c is the sum over all images of the origin (Ewald), without the
-    origin itself; so c is finite where the offset is 0. Offsets are from 0 to less than X and Y;
-    the result has the shape (len(x), len(y)).
+    -c is the sum over all images of the origin but itself (Ewald); offsets 0 <= x < X, 0 <= y < Y.
+    Shape (len(x), len(y)).
     """
     from scipy.special import erf, erfc
 
@@ -242,10 +225,8 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
 
 
 def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
-    """Return c = S of free space minus S of the periodic cell at offsets x, with one free axis.
-
-    S relates two lines along the periodic axis, on each of which the pressure is the same wave of
-    wave number q. For q = 0 c is known up to a constant. X: size of the cell along the free axis.
+    """Return c at offsets x along the one free axis, between lines that carry the pressure of one
+    wave q; for q = 0 up to a constant. X: size of the cell.
     """
     from scipy.special import k0
 

@@ -1,5 +1,4 @@
-"""An elastic layer of finite thickness on a rigid base, bonded to it or sliding on it without
-friction."""
+"""An elastic layer of finite thickness, bonded to a rigid base or sliding on it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

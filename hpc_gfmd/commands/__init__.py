@@ -1,6 +1,5 @@
 """One file per subcommand of hpc-gfmd, listed in cli.py.
 
 Each has HELP (one line), DESCRIPTION, `add_arguments(parser)` and `main(args)`, which returns the
-exit code. Imports that take long stand inside functions, because the parser imports all of these
-files. common.py and limits.py are not commands.
+exit code; slow imports stand inside functions. common.py and limits.py are not commands.
 """

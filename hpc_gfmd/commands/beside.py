@@ -13,10 +13,8 @@ NO_SPECTRUM = (
 
 
 def to_theory(result: Result) -> dict[str, Any]:
-    """Return the theory of a result's surface (of a map by its own slope), or raise SceneError.
-
-    A dict: "name" of the theory, with g_rms and the range of waves of a map; "steps": one dict per
-    load step above 0 with "step" (its number), "p" and each number that the theory has.
+    """Return "name" of the theory (with a map's g_rms and waves) and "steps" above 0: "step", "p"
+    and its numbers.
     """
     from ..plotting.theory import theory_beside
 

@@ -1,7 +1,4 @@
-"""The command line: arguments in, exit code out.
-
-An error is one line on standard error, printed once whatever the number of ranks.
-"""
+"""The command line: arguments in, exit code out; an error is one line, for all ranks together."""
 
 import difflib
 import errno
@@ -71,10 +68,7 @@ class PrintCompletion(Action):
 
 
 def build_parser() -> ArgumentParser:
-    """Make the parser of hpc-gfmd with all commands, whose files it imports.
-
-    The parsed arguments have the attribute `main`: that of the chosen command.
-    """
+    """Make the parser with all commands; parsed arguments have `main`, that of the command."""
     parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
     version = versions().get("hpc_gfmd", "that is not installed")
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {version}")
@@ -99,10 +93,8 @@ def main(
 ) -> int:
     """Run one command and return its exit code; errors are printed and do not raise. Collective.
 
-    script makes the Parser of another program than hpc-gfmd; each of its commands has the default
-    `main`, a function of the parsed arguments that returns an exit code or None. Exit code: 0
-    success, 1 failed, 2 wrong input, 130 interrupted, or what the command returned; 1 if output
-    cannot be written, except for commands that write their result to files.
+    script makes another program's Parser, whose commands have a default `main`. Exit code: 0
+    success, 1 failed or output not writable, 2 wrong input, 130 interrupted, or the command's.
     """
     occupy_standard_descriptors()
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -182,10 +174,7 @@ def _missing(command: str, error: ImportError) -> str:
 
 
 def _of_exception(command: str, error: Exception) -> tuple[int, str]:
-    """Return (exit code, one-line message) for an exception that is not a GfmdError.
-
-    Lack of memory, of permission or of disk space is explained; all else is an "internal error".
-    """
+    """Return (exit code, line) for other exceptions: memory, permission, disk, "internal error"."""
     number = getattr(error, "errno", None)
     name = getattr(error, "filename", None) or command
     if isinstance(error, MemoryError) or number == errno.ENOMEM:
@@ -205,10 +194,7 @@ def _of_exception(command: str, error: Exception) -> tuple[int, str]:
 def _leave_together(
     exit_code: int, message: str = "", details: str = "", seconds: float = 10.0
 ) -> None:
-    """Print an error (if any) once, and wait until all ranks are about to leave with one.
-
-    A rank that is still alone after `seconds` ends the whole job with exit_code.
-    """
+    """Print an error once and wait for all ranks to leave with one, for `seconds` at most."""
     from ..parallel.world import collective_exit
 
     collective_exit(

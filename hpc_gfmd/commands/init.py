@@ -85,10 +85,8 @@ def _asked_boundary(sources: list[str]) -> str:
 
 
 class Draft(NamedTuple):
-    """A scene in TOML that is not written yet.
-
-    missing: keys of [surface] that the user has to fill in; open: those that were chosen although
-    only the user knows them; about: what the height map shows, a line each.
+    """A scene in TOML, not yet written. missing: keys to fill in; open: chosen, but only the user
+    knows; about: what the map shows.
     """
 
     text: str
@@ -98,11 +96,8 @@ class Draft(NamedTuple):
 
 
 def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] = ()) -> Draft:
-    """Compose the text of a scene at `path`; height maps are read, nothing is written.
-
-    sources: kind of surface, or one or two paths of height maps, in the scene relative to its
-    folder; overrides: "table.key=value". Raises SceneError if the scene would be wrong or a map
-    cannot be read.
+    """Compose a scene at `path`; maps are read, nothing is written. sources: a kind of surface, or
+    one or two maps.
     """
     from ..scene import Scene
     from ..scene.read import ALTERNATIVES, apply_override
@@ -149,10 +144,8 @@ def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] =
 
 
 def _of_maps(maps: list[str], path: Path, tables: dict[str, Any]) -> Any:
-    """Read one height map or two and return the Suggestion for the scene at `path`.
-
-    The user's settings of tables["surface"] are used when the maps are read; without "material" the
-    Suggestion says that a modulus is missing if the maps have units.
+    """Return the Suggestion for one or two maps, read with the user's tables["surface"]; without
+    "material" it asks for a modulus if they have units.
     """
     from ..scene import Scene
     from ..surface.doubtful_numbers import NO_MODULUS

@@ -18,14 +18,12 @@ SCATTER = (
 
 
 def to_limits(result: Result, table: str = "ours") -> dict:
-    """Extrapolate contact area and mean gap of all load steps of a self-affine surface to the TFC
+    """Extrapolate contact area and mean gap of the load steps of a self-affine surface to the TFC
     limit.
 
-    table: as `theory.tfc.table_of` takes it. Returns a dict, "table": its name; "steps": one dict
-    per load step with "step" (its number), "p_star" and, for each of "kappa" and "gap_over_h_rms"
-    that it has, a dict with "value", "sigma" and either "refused" (the reason) or the corrections,
-    "extrapolated", "extrapolated_sigma" (of the value and, if the table has it, of the
-    coefficients), "converged" and "notes". Raises SceneError.
+    table: as `theory.tfc.table_of` takes it. Returns "table": its name; "steps": dicts with "step",
+    "p_star" and for "kappa" and "gap_over_h_rms" a dict: "value", "sigma" and either "refused" (the
+    reason) or corrections, "extrapolated", "extrapolated_sigma", "converged", "notes".
     """
     surface = result.surface
     missing = [
@@ -79,11 +77,7 @@ def limits_text(limits: dict) -> str:
 def _limit(
     step: dict, observable: str, error_name: str, parameters: dict[str, Any]
 ) -> dict[str, Any]:
-    """Extrapolate one observable of a load step; returns its dict as described in `to_limits`.
-
-    error_name: key of its relative error. parameters: arguments of `tfc.extrapolate` that all steps
-    share.
-    """
+    """Extrapolate one observable of a step, see `to_limits`; error_name: of its relative error."""
     value = step[observable]
     relative_error = step.get(error_name)
     sigma = None

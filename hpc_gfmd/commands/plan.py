@@ -32,10 +32,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print grid, memory and time that a scene would take; returns 0.
-
-    Raises SceneError, after printing, if it does not fit into this machine.
-    """
+    """Print grid, memory and time of a scene; SceneError, afterwards, if it does not fit here."""
     from ..parallel.thread_count import auto_threads, ranks_per_node
     from ..runs.loads import check
     from ..runs.plan import plan_of, text_of

@@ -88,10 +88,7 @@ def main(args: Namespace) -> int:
 
 
 def _show_ensemble(args: Namespace) -> int:
-    """Print means and standard deviations of several results, as text or JSON; returns 0.
-
-    Raises SceneError for options of a single result, and for results of different loads or units.
-    """
+    """Print means and standard deviations of several results, as text or JSON; returns 0."""
     from ..runs.ensemble import Ensemble
 
     if args.tfc is not None or args.references or args.errors or args.persson:

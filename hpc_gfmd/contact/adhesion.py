@@ -1,7 +1,4 @@
-"""Contacts with an attraction of the surfaces (material.adhesion): its work and stability, whether
-the other branch (load.unique) has the same equilibrium, and the criterion of Pastewka and Robbins
-for whether a rough wall sticks.
-"""
+"""Contacts with adhesion: work, stability, the other branch, and whether a rough wall sticks."""
 
 from math import isfinite, pi
 
@@ -12,19 +9,14 @@ ON_REQUEST = ("stickiness",)
 
 
 def attraction(contact: Contact) -> float | None:
-    """Return the mean attractive pressure over the nominal area, in the unit of E_star, positive.
-
-    The mean pressure on the wall is the mean pressure of the load plus this attraction.
-    """
+    """Return the mean attraction over the nominal area, positive; it adds to p on the wall."""
     if contact.attraction is None or contact.is_separated:
         return None
     return contact.certificate.attraction * contact.pressure_unit
 
 
 def separation_work(contact: Contact) -> float | None:
-    """Return the work per nominal area needed to separate the bodies and remove their deformation:
-    minus the sum of elastic energy and energy of attraction.
-    """
+    """Return the work per area to separate the bodies: minus elastic energy and attraction's."""
     if contact.attraction is None or contact.is_separated or not isfinite(contact.energy):
         return None
     unit = contact.pressure_unit * contact.surface.height_unit
@@ -48,10 +40,8 @@ def a_r_other_branch(contact: Contact) -> float | None:
 
 
 def stickiness(contact: Contact) -> float | None:
-    """Return the attraction in a ring around the contact over the repulsion in the contact.
-
-    The wall sticks above 1; far below 1 adhesion is negligible. None if no contact edge exists.
-    Collective.
+    """Return attraction around the contact over repulsion in it (Pastewka and Robbins): the wall
+    sticks above 1; None without a contact edge. Collective.
     """
     from ..theory.adhesion import stickiness as of_ring
 

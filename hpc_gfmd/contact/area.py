@@ -1,11 +1,9 @@
-"""Relative contact area a_r, kappa = a_r/p*, both with an edge correction, and the error of a_r due
-to the size of a grid point.
+"""Relative contact area a_r, kappa = a_r/p*, their edge correction, and the error by the grid.
 
-A point is in contact as a whole or not at all, and along the edge of the contact more points touch
-than would on a finer grid. By Yastrebov, Anciaux, Molinari (2017) the excess area is
-EDGE_CORRECTION a^2 per boundary segment (the side between a point in contact and one that is not),
-an average over all directions of the edge on square points: it does not hold for contacts that vary
-along one axis only, nor on points that are not square.
+Points touch as a whole, and along the edge of the contact more touch than on a finer grid: by
+EDGE_CORRECTION a^2 per boundary segment (a side between contact and open points; Yastrebov,
+Anciaux, Molinari 2017), an average over directions of the edge on square points: invalid for
+contacts that vary along one axis only, and on points that are not square.
 """
 
 from collections.abc import Callable
@@ -43,10 +41,7 @@ def a_plastic(contact: Contact) -> float | None:
 
 
 def a_r_corrected(contact: Contact) -> float | None:
-    """Return a_r minus the excess area along the contact edge; None if the correction is invalid.
-
-    Collective if `contact.edges` was not computed before.
-    """
+    """Return a_r minus the excess area along the contact edge; None if invalid. Collective."""
     a_x, a_y = contact.grid.spacings
     if 1 in contact.grid.nominal or abs(a_x / a_y - 1) > SQUARE:
         return None
@@ -54,21 +49,19 @@ def a_r_corrected(contact: Contact) -> float | None:
 
 
 def a_r_discretisation(contact: Contact) -> float:
-    """Estimate the relative error of a_r that is due to the grid spacing; inf if nothing touches.
+    """Estimate the relative error of a_r by the grid spacing; inf if nothing touches. Collective.
 
     The estimate is (b S + sqrt(S/12))/n_c for n_c points in contact and S boundary segments: the
-    full edge correction b S, plus the random error of rounding each segment to whole points. In
-    one dimension it is EDGE_1D S/n_c, as the edges of one wave miss alike.
-    Collective if `contact.edges` was not computed before. Tested against grids up to 16 times as
-    fine (the finest edge-corrected):
+    full edge correction plus the random error of rounding each segment to whole points; in one
+    dimension EDGE_1D S/n_c, as the edges of one wave miss alike. Tested against grids up to 16
+    times as fine (the finest edge-corrected):
 
     - 126 self-affine contacts (H = 0.3, 0.8; p* = 0.007, 0.05, 0.35; lam_s/a = 2, 4, 8, 16): a_r is
-      always too large, by 0.95 edge corrections in the mean, from 0.65 to 1.3: half the correction
-      would hide half of the error. Error over estimate: 0.87 in the mean, at most 1.05;
+      always too large, by 0.95 edge corrections in the mean, from 0.65 to 1.3; error over
+      estimate: 0.87 in the mean, at most 1.05;
     - 45 contacts of one sphere (1 to 70,000 points): 0.7 edge corrections in the mean, from -0.8 to
       1.6, as it is chance how a circle lies on its grid; error over estimate up to 1.3;
-    - rough surfaces with points of 1:2, 1:4, 1:8: 0.7 to 1.1 edge corrections, although the
-      correction does not hold there;
+    - rough surfaces with points of 1:2, 1:4, 1:8: 0.7 to 1.1 edge corrections, although invalid;
     - 320 profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most.
     """
     segments = contact.boundary_segments

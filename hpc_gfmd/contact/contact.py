@@ -1,5 +1,4 @@
-"""A solved contact at one load: fields and the sums that observables are made of, in the scene's
-units."""
+"""A solved contact at one load, and the sums that observables are made of, in the scene's units."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -28,9 +27,7 @@ ROUNDING = 16  # times the rounding error of the heights: a mean gap below that 
 
 
 class OtherBranch(NamedTuple):
-    """What the same load gives when it is reached from the other side (approach or retraction): its
-    relative contact area, and whether both equilibria agree within the errors of both.
-    """
+    """Contact area of the same load from the other side, and whether both equilibria agree."""
 
     a_r: float
     agrees: bool
@@ -187,10 +184,7 @@ class Contact:
 
     @cached_property
     def tangent(self) -> Tangent:
-        """Response to a small change of the load at a fixed set of points in contact.
-
-        Collective. Computed once, by conjugate gradients; the FFT pairs are added to `asked_pairs`.
-        """
+        """Response to a small load change at fixed contact points. Collective at first use."""
         rows, points = self.grid.inside
         touching = np.zeros(self.g.shape, dtype=bool)
         touching[:rows, :points] = self.touching(0, rows)
@@ -360,10 +354,8 @@ class Contact:
 
     @cached_property
     def edges(self) -> tuple[int, int]:
-        """Number of grid-cell sides between contact and open points that run (along x, along y).
-
-        Summed over all ranks, the same on each. Sides across the border of a periodic axis count;
-        the sides at a free edge of the surface do not. Collective at first use.
+        """Number of grid-cell sides between contact and open points along (x, y), over all ranks,
+        across periodic borders but not at free edges. Collective at first use.
         """
         grid = self.grid
         rows, points = grid.inside

@@ -1,7 +1,6 @@
-"""Distributions of pressure and gap: edges of bins, and the density in them, which integrates to 1.
+"""Distributions of pressure and gap: edges of bins, and densities, which integrate to 1.
 
-The edges depend on powers of two and on h_rms only, so that they are the same on any number of
-ranks, and bins of different loads can be merged to compare them.
+Edges depend on powers of two and h_rms only: equal on any ranks, and bins of loads can be merged.
 """
 
 from collections.abc import Callable
@@ -18,10 +17,8 @@ GAP_BINS = 4  # in a factor of two
 
 
 def pressure(contact: Contact) -> Arrays | None:
-    """Return the distribution of the pressure at points in contact. Collective.
-
-    "edges" are equally spaced, by a power of two in units of E* g_rms; "density" is the share of
-    the points in contact per pressure: times a_r it is Persson's P(p) at p > 0.
+    """Return edges, equally spaced by a power of two in units of E* g_rms, and density of pressures
+    at points in contact; times a_r it is Persson's P(p), p > 0. Collective.
     """
 
     def values(i0: int, i1: int) -> np.ndarray:
@@ -46,10 +43,8 @@ def pressure(contact: Contact) -> Arrays | None:
 
 
 def gap(contact: Contact) -> Arrays | None:
-    """Return the distribution of the gap at open points. Collective.
-
-    "edges": four bins per factor of two from 1e-6 h_rms up, and one bin for all smaller ones;
-    "density": share of the open points per gap: times 1 - a_r it is P(g) at g > 0.
+    """Return edges, four a factor of two from 1e-6 h_rms (one bin below), and density of gaps at
+    open points; times 1 - a_r it is P(g), g > 0. Collective.
     """
     surface = contact.surface
     if surface.h_rms == 0:
@@ -89,11 +84,7 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
 
 
 def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.ndarray:
-    """Return the number of points in each of the bins `lowest` to `highest`, on all ranks.
-
-    `bins(i0, i1)`: bin number of each point that counts in some local rows, called on several
-    threads. Collective.
-    """
+    """Count the points of all ranks in bins, numbered by bins(i0, i1) of local rows. Collective."""
     grid = contact.grid
     zeros = np.zeros(highest - lowest + 1)
 

@@ -27,11 +27,7 @@ def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
 
 
 def approach(contact: Contact) -> float | None:
-    """Return by how much the bodies have approached since they touched undeformed, positive when
-    they are pressed together.
-
-    Unbounded, and None, for a half-space that is periodic along at least one axis.
-    """
+    """Return the approach since the undeformed touch; None (unbounded) on periodic half-spaces."""
     return contact.approach if isfinite(contact.approach) else None
 
 

@@ -19,8 +19,7 @@ RESOLVED, FLIPPING = 0.5, 1.0  # softening over stiffness of one point: fine; fl
 
 
 def notes_on(contact: Any) -> list[str]:
-    """Return all notes on a Contact, the most important first; those on its surface are not among
-    them."""
+    """Return all notes on a Contact, most important first, without those on its surface."""
     notes = [
         _doubt(contact),
         *_on_attraction(contact),
@@ -106,10 +105,7 @@ def _on_attraction(contact: Any) -> list[str]:
 
 
 def resolution(contact: Any) -> float:
-    """Return the largest softening of a point by the attraction over the point's elastic stiffness.
-
-    Above 1 a single point can jump without its neighbours.
-    """
+    """Return softening by attraction over a point's stiffness: above 1 a point can jump alone."""
     law, grid = contact.attraction, contact.grid
     stiffness = float(contact.body.near(grid)[0]) * contact.E_star / grid.a
     return steepest(law) / stiffness

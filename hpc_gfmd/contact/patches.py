@@ -1,21 +1,14 @@
-"""Contact patches and open channels: how many, how large, whether they percolate, and the critical
-constriction of a leak.
+"""Contact patches and open channels: numbers, sizes, percolation, critical constriction of a leak.
 
-Points that share a side belong to one patch (4-connected), as in scipy and ContactMechanics, also
-across the border of a periodic surface. Whether two points that share only a corner would be
-connected on a finer grid is unknown; names that end in _8 connect them (8-connected).
+Points that share a side are connected, also across periodic borders; names in _8 connect corners
+too, since whether those would be connected on a finer grid is unknown. On random surfaces both
+percolate near a contact area of 0.40 (0.42: Dapp, Luecke, Persson, Mueser 2012); the truth is
+between the two. On periodic surfaces a cluster percolates along x if a closed path goes around the
+cell along x (Newman and Ziff 2001). gap_spans_x is for cells periodic along y only: a fluid enters
+at one edge of a seal and leaves at the other.
 
-A periodic surface has no edges to connect: a cluster percolates along x if it contains a closed
-path that goes around the cell along x (wrapping, Newman and Ziff 2001). Where clusters connect by
-sides only, a fluid does not pass between two points in contact that share a corner; with _8 it
-does, and contact connects across corners, too. On random surfaces both happen near a contact area
-of 0.40 (`python scripts/paper percolation`; 0.42: Dapp, Luecke, Persson, Mueser 2012); the truth is
-between the two. gap_spans_x is for a cell that is periodic along y only: a fluid that enters at one
-edge of a seal leaves at the other.
-
-Critical constriction: lower a level t from the largest gap, until the points whose gap is at least
-t first connect one edge with the opposite one. Most of the fluid's pressure drops there (Persson
-and Yang 2008).
+Critical constriction: the largest level t at which points with a gap of at least t connect one edge
+with the opposite one; most of the fluid's pressure drops there (Persson and Yang 2008).
 """
 
 from functools import partial
@@ -33,12 +26,10 @@ PERSSON_YANG = (
 
 
 def perimeter(contact: Contact) -> float:
-    """Return the length of the edges of all contact patches. Collective.
+    """Return the length of the edges of all patches. Collective.
 
-    The grid-cell sides between contact and open points add up to 4/pi times the length of an edge
-    that has no preferred direction (Cauchy and Crofton), whatever the shape of a point: a straight
-    edge along x or y gives pi/4 of its length. Contacts that vary along one axis only have no other
-    edges, so that their sides count fully.
+    Sides between contact and open points are 4/pi times the length of an edge without preferred
+    direction (Cauchy and Crofton); contacts along one axis only count them fully.
     """
     along_x, along_y = contact.edges
     a_x, a_y = contact.grid.spacings
@@ -87,10 +78,8 @@ def _of_patches(corners: bool) -> dict[str, Observable]:
 
 
 def sizes(corners: bool, contact: Contact) -> Arrays | None:
-    """Return the distribution of patch areas, None if there is no patch. Collective.
-
-    "edges" of bins, two per factor of two (1, 2, 3, 4, 6, 8, 12, ... points), and "density", the
-    share of the patches per area, which integrates to 1.
+    """Return edges (1, 2, 3, 4, 6, 8, 12, ... points) and density of patch areas; None without
+    patches. Collective.
     """
     comm = contact.grid.comm
     of_rank = contact.clusters(corners=corners).sizes
@@ -108,10 +97,8 @@ def sizes(corners: bool, contact: Contact) -> Arrays | None:
 
 
 def patch_table(contact: Contact) -> Arrays:
-    """Return the contact patches as {column: array}, the largest patch first. On one process only.
-
-    Columns: area, load (force on the patch), x and y (centre), perimeter, periodic (whether the
-    patch continues across the border of the cell); units: TABLE_UNITS.
+    """Return {column: array} of patches, largest first, on one process: area, load (force), x and y
+    (centre), perimeter, periodic (across a border).
     """
     from scipy import ndimage
     from scipy.sparse import coo_array
@@ -164,10 +151,8 @@ def patch_table(contact: Contact) -> Arrays:
 def _percolates(
     name: str, axis: int, corners: bool = False, open_axis: int | None = None
 ) -> Observable:
-    """Return the observable that is true if the contact, or the gap, percolates along an axis.
-
-    Along `open_axis` a cluster percolates if it reaches from edge to edge, else if it goes around
-    the cell. Collective.
+    """Return the observable whether contact or gap percolates along an axis: from edge to edge
+    along `open_axis`, else around the cell. Collective.
     """
 
     def percolates(contact: Contact) -> bool:
@@ -196,11 +181,8 @@ def _percolation(corners: bool) -> dict[str, Observable]:
 
 
 def critical_gap(axis: int, contact: Contact) -> float | None:
-    """Return the largest t for which points with a gap >= t reach from edge to edge, 0 if no
-    channel is open.
-
-    Found by bisection over the bit patterns of the gap, which have the same order as positive
-    floating-point numbers: so the result is exact. Collective.
+    """Return the largest t for which gaps >= t connect the edges, 0 without a channel. Collective.
+    Exact: bisection over the bits of the gap, which have the order of the numbers.
     """
     if contact.is_separated:
         return None

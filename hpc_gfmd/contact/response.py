@@ -1,16 +1,13 @@
 """Stiffness, conductance and elastic energy, and strict bounds of errors by the duality gap.
 
-Conductance, of heat and of electric current: the potential of a steady flow into a half-space and
-the normal displacement of one that is pressed solve the same problem. So the conductance per
-nominal area, without films and with an insulating gap, is the contact stiffness times 2 k1 k2/(k1 +
-k2) over E* (Barber 2003), k1 and k2 being the conductivities.
+Conductance (heat, current): flow into a half-space solves the problem of its displacement, so per
+area, without films and with an insulating gap, it is the contact stiffness times 2 k1 k2/(k1 + k2)
+over E* (Barber 2003), with conductivities k1, k2.
 
-Bounds: with e = u - u* the error of the displacement, |e|_K^2 = <e, K e> <= 2 G, the duality gap of
-the certificate. So the L2 error of the pressure is at most sqrt(2 G K_max), plus the pressure that
-the solver leaves out of contact, which the result sets to 0. The error of the mean gap, without a
-hardness, is at most |e|_K (|u*|_K/p0 + |v|_S)/N with the self-energy |v|_S of the nominal area (0
-without free edges), see certificate/error_estimates.py. Errors of rounding and of the operator
-(Body.error) come on top.
+Bounds: with e = u - u* the error of the displacement, |e|_K^2 = <e, K e> <= 2 G, the duality gap.
+So the L2 error of the pressure is at most sqrt(2 G K_max), plus the pressure left out of contact;
+that of the mean gap, without a hardness, at most |e|_K (|u*|_K/p0 + |v|_S)/N with the self-energy
+|v|_S of the nominal area, see certificate/error_estimates.py. Rounding and Body.error come on top.
 """
 
 from math import inf, isfinite
@@ -23,12 +20,10 @@ ON_REQUEST = ("stiffness", "conductance")
 
 
 def stiffness(contact: Contact) -> float | None:
-    """Return the stiffness -dp/d(mean gap) at a fixed set of points in contact.
+    """Return -dp/d(mean gap) at fixed contact points, to `contact.accuracy`; takes FFT pairs.
+    Collective.
 
-    Its relative error is at most `contact.accuracy`. Collective; the first call that needs
-    `contact.tangent` takes FFT pairs. None with an attraction (whose slope it would have to
-    include), in full contact (where it is infinite), if nothing touches, and if the accuracy was
-    not reached.
+    None with an attraction, in full contact, without contact, or if the accuracy was not reached.
     """
     if contact.attraction is not None:
         return None
@@ -41,11 +36,9 @@ def stiffness(contact: Contact) -> float | None:
 
 
 def conductance(contact: Contact) -> float | None:
-    """Return the contact conductance per nominal area over 2 k1 k2/(k1 + k2), in 1/length.
-
-    It is the contact stiffness over E_star: that of the mean gap for a periodic surface, that of
-    the approach for a surface with free edges along both axes; None otherwise, and where there is
-    no `stiffness`. Collective as that.
+    """Return the conductance per area over 2 k1 k2/(k1 + k2), in 1/length: stiffness over E_star,
+    of the gap on a periodic surface, of the approach with free edges along both axes, else None.
+    Collective.
     """
     from ..bodies.halfspace import HalfSpace
 
@@ -58,26 +51,20 @@ def conductance(contact: Contact) -> float | None:
 
 
 def energy(contact: Contact) -> float | None:
-    """Return the elastic energy per nominal area; None for a half-space that is periodic along one
-    axis only.
-
-    On a half-space (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D).
+    """Return the elastic energy per area, (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D) on a half-
+    space; None for one that is periodic along one axis only.
     """
     return contact.energy if isfinite(contact.energy) else None
 
 
 def duality_gap(contact: Contact) -> float | None:
-    """Return the duality gap G over N times mean pressure of the wall times mean gap
-    (certificate/certificate.py), which bounds the relative error of the energy.
-    """
+    """Return G over N p gap (certificate/certificate.py), which bounds the energy's error."""
     return contact.certificate.duality_gap
 
 
 def pressure_bound(contact: Contact) -> float | None:
-    """Return an upper bound of the relative L2 error of the pressure field, without rounding.
-
-    None if the duality gap was not computed or is not finite, if the bound is not below 1, and with
-    an attraction: there it would depend on a stability that is only estimated.
+    """Return an upper bound of the relative L2 error of the pressure, without rounding; None
+    without a finite duality gap, if not below 1, and with an attraction.
     """
     energy = _energy_norm(contact)
     certificate = contact.certificate
@@ -90,10 +77,8 @@ def pressure_bound(contact: Contact) -> float | None:
 
 
 def gap_bound(contact: Contact) -> float | None:
-    """Return an upper bound of the relative error of the mean gap.
-
-    None in the cases of `pressure_bound`, and with a hardness: then only gaps and dents together
-    have a bound.
+    """Return an upper bound of the relative error of the mean gap; None as `pressure_bound`, and
+    with a hardness.
     """
     from ..operators.problem import self_energy  # names of observables need no kernels
 

@@ -5,10 +5,8 @@ With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
     C(q) = L_x L_y <|f_q|^2>    averaged over the wave vectors in a ring
     A(r) = <f(x) f(x + r)>      averaged over x and the distances r in a ring (minimal image)
 
-There are RINGS rings per factor of two, starting at the longest wave and at the nearest neighbours;
-the q and r that are returned are means over the points of a ring. A surface that varies along one
-axis only is solved on a grid of one point along the other: its rings then hold the waves along that
-axis alone, and C is the spectrum of a line times the length of the other axis.
+There are RINGS rings per factor of two; q and r are means over their points. For a surface that
+varies along one axis only, C is the spectrum of a line times the length of the other axis.
 """
 
 from __future__ import annotations
@@ -30,10 +28,7 @@ FIELDS = {"heights": "length", "pressure": "pressure", "gap": "length"}
 
 
 def power(name: str, contact: Contact) -> Arrays | None:
-    """Return the radial power spectrum of one of FIELDS: wave numbers "q" and "power" C(q).
-
-    None on a grid of one point. Collective; adds half an FFT pair to `asked_pairs`.
-    """
+    """Return "q" and "power" C(q) of one of FIELDS, or None; half an FFT pair. Collective."""
     grid = contact.grid
     fft = _transforms(contact)
     q_x = grid.q_x / grid.a
@@ -58,11 +53,7 @@ def power(name: str, contact: Contact) -> Arrays | None:
 
 
 def autocorrelation(name: str, contact: Contact) -> Arrays:
-    """Return the radial autocorrelation of one of FIELDS: "r", up to half of the shorter side of
-    the cell, and "correlation" A(r).
-
-    Collective; adds one FFT pair to `asked_pairs`.
-    """
+    """Return "r", up to half the shorter side, and "correlation"; an FFT pair. Collective."""
     grid = contact.grid
     fft = _transforms(contact)
 
@@ -116,11 +107,9 @@ def _columns(
     apply: Callable[[np.ndarray, int], Any],
     backward: bool,
 ) -> list:
-    """Transform a field, return the results of apply(block, m) for this rank's blocks of columns.
-
-    The field is in the program's units. `apply`, on several threads, may change the block in place;
-    with `backward` it is transformed back along axis 0, ready for `fft.backward_rows`. The sign of
-    the heights differs between stored ones (peaks down) and generated ones (peaks up). Collective.
+    """Transform a field (program's units) and return apply(block, m) of this rank's columns, which
+    it may change; heights may have either sign. Collective. With `backward` rows are ready to go
+    back.
     """
     h: Any = contact.surface.h
     if name == "heights" and h is None:
@@ -157,10 +146,7 @@ def _means(grid: Grid, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndar
 def _ring_sums(
     distance: np.ndarray, innermost: float, weight: np.ndarray, values: np.ndarray
 ) -> np.ndarray:
-    """Return sums of weight, weight*distance and weight*value over each ring, shape (3, rings).
-
-    Ring 0 is distance 0; ring 1 is centred at the distance `innermost`.
-    """
+    """Return sums (3, rings) of weight, times distance, times value; ring 0 is distance 0."""
     with np.errstate(divide="ignore"):
         ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / innermost) + 0.5), 0).astype(
             np.int64

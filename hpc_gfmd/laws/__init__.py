@@ -25,11 +25,7 @@ def law_class(name: str) -> type[Law]:
 
 
 def attraction_of(material: Material) -> Law | None:
-    """Make the law that a scene.Material describes, in the units of the scene; None without
-    adhesion.
-
-    SceneError: the law belongs to another package and its energy is not concave.
-    """
+    """Make the law of a scene.Material, or None; SceneError for a plug-in's that is not concave."""
     adhesion = material.adhesion
     if adhesion is None:
         return None
@@ -37,9 +33,8 @@ def attraction_of(material: Material) -> Law | None:
 
 
 def law_named(name: str, work: float, reach: float) -> Law:
-    """Return the law of this name with a work of adhesion and a range.
-
-    Raises SceneError if its energy is not concave, as may be for laws of other packages.
+    """Return the law of this name; SceneError unless its energy is concave (a plug-in's may not
+    be).
     """
     law = law_class(name)(work, reach)
     if not is_concave(law):

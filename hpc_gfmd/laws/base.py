@@ -73,10 +73,7 @@ def gaps_of(law: Law) -> np.ndarray:
 
 
 def is_concave(law: Law) -> bool:
-    """Return whether the attraction never rises with the gap, but for rounding errors.
-
-    Both its slope and its differences are tested, at the gaps of `gaps_of` only.
-    """
+    """Return whether the attraction never rises with the gap, tested at `gaps_of` only."""
     curvature, traction = law.curvature(gaps_of(law)), law.traction(gaps_of(law))
     rises = TOLERANCE * np.abs(curvature).max()
     steeper = TOLERANCE * np.abs(traction).max()

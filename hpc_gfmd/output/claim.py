@@ -22,12 +22,9 @@ class EarlierRun(NamedTuple):
 
 
 def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[int, EarlierRun]:
-    """Create and lock the folder for partial results; return the lock and what was there. On rank 0
-    only.
-
-    An earlier run in it is resumed if it has the same identity, `resume` is set and `force` is not;
-    otherwise its files are removed. Raises SceneError if the path is unfit, another run holds the
-    lock or, without `force`, loads or the result of another scene would be lost.
+    """Create and lock the folder for partial results; return the lock and what was there. Rank 0
+    only. A run of the same identity is resumed if `resume` and not `force`; SceneError if something
+    would be lost.
     """
     require_name("output.path", path)
     if not path.parent.is_dir():
@@ -51,10 +48,7 @@ def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[
 def _earlier_run(
     path: Path, folder: Path, identity: str | None, resume: bool, force: bool
 ) -> EarlierRun:
-    """Return what an earlier run has left in the locked folder; empty it unless that is resumed.
-
-    Raises SceneError if loads or a result would be lost without `force`.
-    """
+    """Return what an earlier run left in the locked folder; empty it unless that is resumed."""
     interrupted: Result | None = None
     whose = ""
     loads = of_earlier_version(folder)
@@ -85,9 +79,8 @@ def _earlier_run(
 
 
 def _note_on_replaced(path: Path, identity: str | None, force: bool) -> str:
-    """Return a note on the existing result file, which the run will replace.
-
-    Raises SceneError if it is not a result of this scene, unless `force` is set.
+    """Return a note on the result file to be replaced; SceneError if it is of another scene,
+    without `force`.
     """
     try:
         is_same = read_file(path).head.get("identity") == identity

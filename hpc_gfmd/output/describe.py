@@ -19,11 +19,8 @@ SIGNS = (
 
 
 def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], about: About) -> None:
-    """Add what other programs need to an open result file whose fields are laid out. Called by one
-    rank.
-
-    These are attributes, arrays over the loads, the axes x and y, units and meanings, links within
-    the groups, and VTKHDF; without surface["n"] attributes alone.
+    """Add to a laid-out file what other programs need: attributes, arrays over the loads, axes,
+    units, links and VTKHDF; attributes alone without surface["n"]. One rank calls it.
     """
     set_attributes(file, {"/": head, "surface": surface, **steps})
     if "n" not in surface:
@@ -49,11 +46,7 @@ def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], ab
 def coordinates(
     group: Any, surface: Attributes, of_loads: Mapping[str, np.ndarray], about: About
 ) -> list:
-    """Write the dimension scales load, x and y, which are returned, and the numbers of all loads
-    into a group.
-
-    Texts are stored as texts of any length, bools as int8 with an attribute.
-    """
+    """Write load, x and y, which are returned, and numbers of the loads into a group."""
     unknown = np.full(len(next(iter(of_loads.values()), ())), np.nan)
     scales = {"load": of_loads.get("p", unknown), **axes(surface)}
     for name, values in scales.items():
@@ -78,12 +71,9 @@ def describe_dataset(
 
 
 def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, about: About) -> None:
-    """Add a group VTKHDF (ImageData) with views of the fields that all steps have; no data is
-    copied.
-
-    The fields are (load, x, y), or (x, y) of a single load. Times are the mean pressures if these
-    rise from load to load, otherwise 0, 1, 2, ... VTK's first axis is the last one of an array, our
-    y; the attribute Direction swaps them back.
+    """Add a group VTKHDF (ImageData) with views, not copies, of the fields of all steps. Times are
+    the mean pressures if they rise, else 0, 1, 2, ...; Direction swaps VTK's first axis, our y,
+    back.
     """
     import h5py
 
@@ -129,10 +119,7 @@ def _fields(group: Any) -> list[str]:
 
 
 def set_attributes(file: Any, groups: Mapping[str, dict]) -> None:
-    """Write attributes of groups, which are created if missing: a dict as JSON, None not at all.
-
-    The attribute RECORD names them all, with those that are texts: they are read from there.
-    """
+    """Write attributes of groups, dicts as JSON, None not at all; RECORD names them."""
     for name, attributes in groups.items():
         stored = {
             key: json.dumps(value) if isinstance(value, dict) else value

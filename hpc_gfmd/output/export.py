@@ -16,9 +16,8 @@ HEIGHTS = "heights"  # the same for all loads
 
 
 def export(result: Result, kind: str, path: str | os.PathLike | None, about: About) -> Path:
-    """Write a result in one of FORMATS for another program; if that fails, no file is left.
-
-    Without a path it is beside the result, or contact.KIND in the working folder for one in memory.
+    """Write a result in one of FORMATS, by default beside it (contact.KIND in memory); nothing is
+    left if that fails.
     """
     path = Path(path or Path(result.path or "contact").with_suffix(f".{kind}"))
     itself = result.path and result.path.exists() and path.exists() and path.samefile(result.path)
@@ -56,10 +55,7 @@ def to_csv(result: Result, path: Path, about: About) -> None:
 
 
 def to_gwy(result: Result, path: Path, about: About) -> None:
-    """Write a Gwyddion file with a channel for each load and each field that all loads have.
-
-    Only m and Pa are written as units.
-    """
+    """Write a Gwyddion file, a channel a load and common field; only m and Pa are its units."""
     from gwyfile.objects import GwyContainer, GwyDataField, GwySIUnit
 
     surface = result.surface

@@ -11,10 +11,8 @@ FIELDS = ("pressure", "gap", "displacement", "plastic", "dent")
 
 @dataclass(frozen=True, eq=False)
 class LazyField:
-    """A field on this rank whose rows are computed when it is sliced; nothing is kept.
-
-    `rows(i0, i1)` returns some rows, on several threads at once; `by_rows` is the method of a Grid.
-    The step of a slice is ignored.
+    """A field on this rank whose rows(i0, i1) are computed, on several threads, when it is sliced
+    (without a step); nothing is kept.
     """
 
     rows: Callable[[int, int], np.ndarray]

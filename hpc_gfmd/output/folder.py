@@ -1,8 +1,4 @@
-"""The folder OUT.h5.partial beside a result file, where a run keeps what is finished until it ends.
-
-One run at a time holds its lock, which the operating system releases when that process ends, for
-whatever reason.
-"""
+"""The folder OUT.h5.partial, where a run keeps what is finished; its lock ends with the process."""
 
 import os
 import re
@@ -43,10 +39,8 @@ def of_earlier_version(folder: Path) -> int:
 
 
 def acquire(folder: Path) -> int:
-    """Lock a folder, which is created if missing, and return the descriptor that holds the lock.
-
-    On a file system without locks the run goes on as if it were locked. Raises SceneError that
-    names the holder if another process has the lock, and OSError if the folder is not writable.
+    """Lock a folder, made if missing; return the descriptor that holds the lock. Without locks in
+    the file system the run goes on; SceneError names another holder.
     """
     folder.mkdir(exist_ok=True)
     descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
@@ -81,10 +75,7 @@ def is_held(folder: Path) -> bool:
 
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
-    """Remove the files of a run from a folder; files of other names stay.
-
-    The committed state goes first: if this is cut short, what is left counts as stale.
-    """
+    """Remove a run's files, the committed state first: what is left if cut short is stale."""
     for file in sorted(folder.glob("*"), key=lambda file: file.suffix != ".committed"):
         if _OURS.fullmatch(file.name):
             file.unlink(missing_ok=True)
@@ -95,12 +86,7 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
 
 
 def _taken(descriptor: int, alone: bool) -> bool:
-    """Try to lock an open file, exclusively if `alone`, and return whether another process prevents
-    it.
-
-    If False is returned this descriptor holds the lock until it is closed, or there are no locks
-    here.
-    """
+    """Whether another process prevents a lock; if not, this descriptor holds it until closed."""
     try:
         import fcntl
 

@@ -1,6 +1,4 @@
-"""Interface law: contact area, gap, stiffness, conductance and others as functions of the mean
-pressure, with errors, for use in other programs.
-"""
+"""Interface law: contact area, gap, stiffness, conductance, ... against the mean pressure."""
 
 from __future__ import annotations
 
@@ -172,9 +170,9 @@ class InterfaceLaw:
         )
 
     def to_dataframe(self) -> DataFrame:
-        """Return a pandas table with a row for each pressure.
+        """Return a pandas table, a row for each pressure, with NAME, NAME_error (relative),
+        NAME_scatter.
 
-        For each quantity NAME it has the columns NAME, NAME_error (relative) and NAME_scatter.
         `attrs["units"]` holds {column: unit}.
         """
         from pandas import DataFrame
@@ -203,12 +201,8 @@ class InterfaceLaw:
 
 
 def interpolate(pressure: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Interpolate values >= 0 (nan if unknown) monotonically in the logarithm of the ascending
-    pressures.
-
-    Positive values are interpolated by their logarithms. From the first pressure whose value is 0
-    (a seal has closed) the result is 0; between the last positive value and that pressure it is the
-    last positive value.
+    """Interpolate values >= 0 (nan if unknown) monotonically, in log-log, at ascending pressures; 0
+    from the first 0 on (a closed seal), and the last positive value up to there.
     """
     exists = np.isfinite(values)
     positive = exists & (values > 0)

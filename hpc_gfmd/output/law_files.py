@@ -149,11 +149,8 @@ def read_law(path: str | PathLike) -> InterfaceLaw:
 
 
 def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
-    """Return arrays (pressure, overclosure), from (0, 0), for linear interpolation of the law.
-
-    Intervals are halved (in the logarithm of the pressure) until straight lines deviate by less
-    than STRAIGHT, or until there would be MOST_ROWS rows; only rows that increase the overclosure
-    are kept.
+    """Return (pressure, overclosure) from (0, 0) for linear interpolation to STRAIGHT, or MOST_ROWS
+    rows; rows that do not increase the overclosure are left out.
     """
 
     def overclosure(pressure: np.ndarray) -> np.ndarray:
@@ -210,9 +207,7 @@ def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
-    """Return the law as input of CalculiX or Abaqus, with the conductance per area and kelvin if
-    the conductivity, the mean of both bodies, is given.
-    """
+    """Return the law as input of CalculiX or Abaqus, with conductance if conductivity is given."""
     pressure, closure = finite_element_table(law)
     lines = [f"*SURFACE INTERACTION, NAME={name}"]
     lines += ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR"]

@@ -32,9 +32,8 @@ MEANINGS = {
 
 
 def scalar_names(steps: Sequence[Attributes]) -> dict[str, None]:
-    """Return the names of attributes that are a number or a text in some load step, as keys.
-
-    Names that are no identifiers are left out: from a damaged file they could be paths.
+    """Return names of attributes that are a number or text in some step; only identifiers, as names
+    in a damaged file could be paths.
     """
     return dict.fromkeys(
         name
@@ -45,10 +44,7 @@ def scalar_names(steps: Sequence[Attributes]) -> dict[str, None]:
 
 
 def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
-    """Return {name: array over the load steps} of their numbers and texts (`scalar_names`).
-
-    A step without a value has nan, which makes whole numbers and bools floats, or "" among texts.
-    """
+    """Return {name: array over the steps}; a step without it has nan (floats then) or ""."""
     arrays = {}
     for name in scalar_names(steps):
         values = [step.get(name) for step in steps]
@@ -69,10 +65,6 @@ def axes(surface: Attributes) -> dict[str, np.ndarray]:
 
 
 def dataset_attributes(name: str, surface: Attributes, about: About) -> dict[str, str]:
-    """Return `units` and `long_name` of a dataset with a number or a field.
-
-    If lengths or pressures have no unit, `units` is the dimension. An unknown name is its own
-    meaning.
-    """
+    """Return `units`, or the dimension without one, and `long_name` of a dataset."""
     meaning, unit = MEANINGS.get(name) or about.get(name, (name, ""))
     return {"units": in_units(unit, surface) or unit, "long_name": meaning}

@@ -1,7 +1,4 @@
-"""Reading of result files, of what an interrupted run has left, and of checkpoints.
-
-Nothing in a file is executed, and MPI is not needed.
-"""
+"""Result files, what an interrupted run has left, and checkpoints; nothing in them is executed."""
 
 import json
 import os
@@ -24,10 +21,8 @@ NUMBERS = {"p", "seconds", "iterations", "fft_pairs", "coarser", "of_grid"}  # o
 
 
 def read_result(path: str | os.PathLike) -> Result:
-    """Read a result file or, if there is none, the finished loads of an interrupted run beside it.
-
-    If a newer run beside it is unfinished, a note says so. Raises SceneError if there is neither,
-    or it cannot be read. Fields are not read yet.
+    """Read a result file, else the finished loads of an interrupted run beside it; fields are read
+    later. A note says if a newer run is unfinished.
     """
     path = Path(path)
     folder = partial_folder(path)
@@ -46,9 +41,7 @@ def read_result(path: str | os.PathLike) -> Result:
 
 
 def read_partial(path: str | os.PathLike) -> Result:
-    """Read the finished loads, perhaps none, of a run that has not written `path` yet: status
-    "running" if it holds its lock, otherwise "interrupted".
-    """
+    """Read the finished loads of a run without a result, "running" (locked) or "interrupted"."""
     path = Path(path)
     folder = partial_folder(path)
     if of_earlier_version(folder):
@@ -63,11 +56,8 @@ def read_partial(path: str | os.PathLike) -> Result:
 
 
 def read_checkpoint(path: Path, identity: str) -> Result | None:
-    """Read the gap of a load that was stopped before it converged; None if there is no such file.
-
-    The result has one step with the field "gap" on the grid of the solver and the numbers p,
-    seconds, iterations, fft_pairs, coarser (all numbers of the CoarseContacts) and of_grid (those
-    of the GridErrors). Raises SceneError if another scene or version has written it.
+    """Read the gap of a stopped load, one step on the solver's grid with p, seconds, iterations,
+    fft_pairs, coarser (of CoarseContacts) and of_grid (of GridErrors); None without the file.
     """
     if not path.exists():
         return None
@@ -81,10 +71,7 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
 
 
 def read_memory(path: Path, identity: str) -> Result | None:
-    """Read what the loads up to one have left at each point, as one step; None if it is not there.
-
-    Raises SceneError if the file is of another scene or version, or damaged.
-    """
+    """Read what the loads up to one left at each point, as one step; None if there is none."""
     if not path.exists():
         return None
     memory = read_file(path, MEMORY_FORMAT)
@@ -94,10 +81,7 @@ def read_memory(path: Path, identity: str) -> Result | None:
 
 
 def read_file(path: Path, kind: str = FORMAT) -> Result:
-    """Read one file of the format `kind`, except for the values of its fields, which are `Stored`.
-
-    Raises SceneError if it is missing, damaged, or of another format or version.
-    """
+    """Read one file of the format `kind`, but for the values of its fields, which are `Stored`."""
     _require_hdf5(path)
     try:
         with reading(path) as file:
@@ -160,11 +144,7 @@ def _require_hdf5(path: Path) -> None:
 
 
 def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
-    """Return {name: Stored} of the fields in a group of the open file: its datasets with two axes.
-
-    Raises ValueError if one does not fit the points `n`, holds no floating-point numbers or has
-    unwritten points.
-    """
+    """Return {name: Stored} of datasets with two axes; ValueError for other points or no floats."""
     fields = {}
     for name in group:
         data = inside(group, name)
@@ -183,9 +163,7 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
 
 
 def _attributes(group: Any) -> dict:
-    """Return the attributes of a group in the order of writing; texts, but the scene, on one
-    line.
-    """
+    """Return a group's attributes in the order of writing; texts, but the scene, in one line."""
     texts = json.loads(group.attrs[RECORD])
     return {
         name: group.attrs[name].tolist()

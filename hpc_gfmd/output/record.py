@@ -1,9 +1,8 @@
 """The result file while it is written.
 
-It grows in the folder OUT.h5.partial: every finished load is added to it at once and committed
-(parallel/committed.py). At the end it gets what other programs need and becomes OUT.h5 by being
-renamed: an incomplete file never has the final name, and each field is written once. The folder
-also holds the gap of a load that was stopped before it converged.
+It grows in the folder OUT.h5.partial: each finished load is added and committed at once
+(parallel/committed.py), and each field is written once. At the end it gets what other programs need
+and is renamed to OUT.h5. The folder also holds the gap of a load that was stopped.
 """
 
 import os
@@ -36,13 +35,11 @@ HEIGHTS = "surface/heights"
 
 
 class RunFile(AbstractContextManager):
-    """The result file of one run, for use in a `with` statement. All methods are collective.
+    """The result file of one run, for a `with` statement. All methods are collective.
 
-    Creating it locks the folder OUT.h5.partial and may empty it (`claim.claim`). What is finished
-    stays in the folder and can be resumed, unless `resume` is False or the scene was refused before
-    any load was finished. `rows` are those of this rank; `head` has `scene`, `identity` and
-    `versions`; `finished` are the numbers of finished loads, `earlier` what is kept of the head of
-    a resumed run.
+    Creating it locks the folder, and may empty it (`claim.claim`). What is finished stays, unless
+    `resume` is False or the scene was refused before a load. `rows`: of this rank; `head`: scene,
+    identity, versions; `finished`: numbers of loads; `earlier`: head of a resumed run.
     """
 
     def __init__(
@@ -148,18 +145,14 @@ class RunFile(AbstractContextManager):
         self.finished = dict(sorted((self.finished | {index: attributes}).items()))
 
     def write_checkpoint(self, grid: Grid, index: int, gap: np.ndarray, numbers: dict) -> None:
-        """Write the gap, on the solver's grid and in its unit, of a load that was stopped before it
-        converged, in place of an earlier one.
-
-        numbers: see `read_checkpoint`.
+        """Write the gap (solver's grid and unit) of a stopped load; numbers as in
+        `read_checkpoint`.
         """
         self._write_beside(STATE, CHECKPOINT, index, grid.n, grid.rows, {"gap": gap}, numbers)
 
     def write_memory(self, index: int, fields: dict[str, np.ndarray], numbers: dict) -> None:
-        """Write what the loads up to `index` have left, before that load becomes a finished one.
-
-        Until then that of the load before stays, so that one of both always belongs to the last
-        finished load.
+        """Write what loads up to `index` left, before that load is finished; the one before stays
+        until then, so that one always belongs to the last finished load.
         """
         name = MEMORY.format(index)
         self._write_beside(name, MEMORY_FORMAT, index, self._n, self._rows, fields, numbers)
@@ -227,11 +220,7 @@ class RunFile(AbstractContextManager):
             self.write_step(index, step, of_step)
 
     def finish(self, status: str) -> None:
-        """Complete the file, give it the name OUT.h5, replacing an older one, and remove the
-        folder.
-
-        If that fails, the finished steps stay in the folder.
-        """
+        """Complete the file, rename it to OUT.h5, remove the folder; on failure the steps stay."""
         self._head |= {"end_time": _now(), "status": status}
         steps = {group_of(index): step for index, step in self.finished.items()}
 
@@ -269,10 +258,8 @@ class RunFile(AbstractContextManager):
         self.close(keep=self._resume and (begun or not refused))  # a wrong scene leaves nothing
 
     def _add(self, steps: dict[str, dict], slabs: dict[str, Any] | None = None) -> None:
-        """Add attributes of the root, the surface and some steps, and local slabs by their path,
-        and commit.
-
-        On failure, which raises GfmdError on all ranks, the file is as it was.
+        """Add attributes of root, surface and steps, and local slabs by path, and commit; or leave
+        the file as it was and raise GfmdError on all ranks.
         """
         slabs = slabs or {}
         doing = f"writing {self.path}"

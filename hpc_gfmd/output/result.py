@@ -48,11 +48,7 @@ class Result:
 
     @property
     def scene(self) -> Scene:
-        """The scene that was solved; an ArrayScene, with only sizes and boundary, if its heights
-        were an array.
-
-        Raises SceneError if the stored scene is not valid.
-        """
+        """The scene that was solved; an ArrayScene if the heights were an array."""
         table = parse_toml(self.scene_toml, str(self.path))
         for name, key in WITHDRAWN:
             if isinstance(table.get(name), dict):
@@ -113,10 +109,7 @@ class Result:
     def only(
         self, indices: Sequence[int] | None = None, fields: Sequence[str] | None = None
     ) -> "Result":
-        """Return a copy with some load steps, by number, and fields, by name; default: all.
-
-        Raises SceneError for numbers and names that the result does not have.
-        """
+        """Return a copy with some load steps, by number, and fields, by name; default: all."""
         chosen = self if indices is None else self.some(self.places(indices))
         if fields is None:
             return chosen

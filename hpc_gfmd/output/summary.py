@@ -33,9 +33,7 @@ ERRORS = {  # relative errors of a number by the solver and by the grid
 
 
 def summary(step: dict, surface: dict) -> str:
-    """Return the most important numbers of a load in one line, such as "a_r = 6.7 +- 0.6 %,
-    ...".
-    """
+    """Return the most important numbers of a load in a line, as "a_r = 6.7 +- 0.6 %, ..."."""
     parts = []
     if step.get("a_r") is not None:
         text = f"a_r = {estimate(100 * step['a_r'], 'a_r', step)} %"
@@ -85,12 +83,8 @@ def converged(step: dict) -> bool:
 
 
 def last_held(steps: Sequence[dict]) -> dict | None:
-    """Return the converged load step that is nearest to the pull-off of the bodies, None without
-    one.
-
-    It is the last one before the first that pulls the bodies apart; at prescribed gaps or
-    approaches, which hold the bodies beyond the largest pull, that with the largest pull until
-    then.
+    """Return the last converged step before the bodies separate, at prescribed gaps or approaches
+    that with the largest pull until then; None if none separates them.
     """
     for number, (before, after) in enumerate(pairwise(steps), 1):
         if after.get("status") == "separated" and before.get("status") == "converged":
@@ -102,9 +96,8 @@ def last_held(steps: Sequence[dict]) -> dict | None:
 
 
 def pull_off_bracket(steps: Sequence[dict]) -> tuple[float, float] | None:
-    """Return the mean pressures of `last_held` and of the first load that separates the bodies.
-
-    None if no load does, and at prescribed gaps or approaches, which pass through the largest pull.
+    """Return mean pressures of `last_held` and the first load that separates; None if none does,
+    and at prescribed gaps or approaches.
     """
     held = last_held(steps)
     if held is None or any(name in held for name in LENGTHS):
@@ -136,10 +129,8 @@ def _between(values: Sequence[float], unit: str) -> str:
 
 
 def with_error(value: float, relative: float | None, above: float | None = None) -> str:
-    """Return a value and its relative error as "0.0160 +- 0.0002", rounded to significant digits.
-
-    above: relative error by which the value may be too small, if it differs: "20.8 +0.1 -1.9". The
-    larger of both is rounded to one digit.
+    """Return a value with its error, as "0.0160 +- 0.0002" or, with another relative error `above`,
+    "20.8 +0.1 -1.9"; the larger is rounded to one digit.
     """
     if not isfinite(value):
         return str(value)
@@ -170,20 +161,16 @@ def with_error(value: float, relative: float | None, above: float | None = None)
 
 
 def estimate(value: float, name: str, step: dict) -> str:
-    """Return a number of a load step, in the unit in which it is shown, with its error on the sides
-    where it is known to be.
-
-    An area of the grid is too large by what points at the edge of the contact add: "20.8 +0.1
-    -1.9". The load over it is too small.
+    """Return a number of a step in the shown unit with its error on known sides: an area is too
+    large by points at its edge, a load over it too small.
     """
     below, above = error_bars(name, step) or (None, None)
     return with_error(value, below, None if above == below else above)
 
 
 def error_bars(name: str, step: dict) -> tuple[float, float] | None:
-    """Return relative errors of a number, too large by and too small by; or None.
-
-    Where an area may be too large by a share, the load over it may be too small by more than that.
+    """Return relative errors, too large by and too small by, of a number, or None; p/a_r may be too
+    small by more than a_r is too large.
     """
     error = combined_error(name, step)
     if error is None:
@@ -209,11 +196,8 @@ def _area_errors(step: dict) -> tuple[float, float, float] | None:
 
 
 def combined_error(name: str, step: dict) -> float | None:
-    """Return the estimated relative error of a number of a load step; None if there is no estimate.
-
-    It is the sum of the errors of the solver and of the grid, as far as they are known. A gap that
-    was asked for has no error by the grid; the pressure that it takes has. Of a_r_corrected it is
-    what the edge correction leaves.
+    """Return the relative error by solver and grid, or None. A prescribed gap has none by the grid,
+    but its pressure; a_r_corrected what the correction leaves.
     """
     if name in ("a_r_corrected", "kappa_corrected"):
         area_errors = _area_errors(step)

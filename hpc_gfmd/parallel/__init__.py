@@ -1,2 +1,1 @@
-"""Everything that knows of other processes: communicator, slab transforms, halo rows, parallel
-HDF5."""
+"""Everything that knows of other processes: communicator, slab FFT, halo rows, parallel HDF5."""

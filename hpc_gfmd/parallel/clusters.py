@@ -1,10 +1,8 @@
-"""Connected clusters of points on slabs, periodic or free: how large they are and whether one of
-them percolates.
+"""Connected clusters of points on slabs: how large they are and whether one percolates.
 
-Every rank labels its rows strip by strip (scipy) and keeps of each strip only the clusters that
-reach its first or last row, a block. Blocks that touch are joined, those of the ranks up a tree
-with messages of two rows; a cluster that no longer reaches a border is whole and is counted on that
-rank.
+Every rank labels its rows strip by strip (scipy) and keeps the clusters that reach the first or
+last row of a strip, a block. Blocks are joined, those of the ranks up a tree with messages of two
+rows; a cluster that no longer reaches a border is counted on that rank.
 """
 
 from __future__ import annotations
@@ -26,9 +24,7 @@ NOTHING = -1  # label of a point outside the mask
 
 @dataclass(frozen=True)
 class Clusters:
-    """The clusters of a mask: `sizes`, the points of each that is counted on this rank, and whether
-    one `percolates` along x and along y, the same on all ranks.
-    """
+    """Points of each cluster counted on this rank; percolation along x and y, the same on all."""
 
     sizes: np.ndarray
     percolates: tuple[bool, bool]
@@ -42,12 +38,11 @@ def find_clusters(
     periodic: tuple[bool, bool],
     corners: bool,
 ) -> Clusters:
-    """Find the clusters of the points where a mask of n = (n_x, n_y) points is true. Collective.
+    """Find the clusters where mask(i0, i1) of local rows is true; n = (n_x, n_y). Collective.
 
-    mask(i0, i1) returns local rows i0 <= i < i1. Points that share only a corner are connected if
-    `corners` is set. Along a periodic axis a cluster percolates if it contains a closed way around
-    the cell (a way around both axes counts for both); along a free axis if it reaches from the
-    first point to the last.
+    Points that share only a corner are connected if `corners`. A cluster percolates along a
+    periodic axis if it contains a closed way around the cell, along a free axis if it reaches from
+    end to end.
     """
     joiner = _Joiner(n, periodic, corners)
     block = None
@@ -67,10 +62,9 @@ def find_clusters(
 class _Block:
     """The clusters of consecutive rows that reach the first or the last of them.
 
-    first_row, last_row (3, n_y): [0] is the number of the cluster of each point, or NOTHING; [1:]
-    are the borders of the cell that are crossed, along x and y, on the way to the point from the
-    root of its cluster. counts (5, clusters): points of each cluster in these rows, and how many of
-    them are in the first and last row, first and last column of the cell.
+    first_row, last_row (3, n_y): number of the cluster of each point, or NOTHING; borders of the
+    cell crossed along x and y from the root of the cluster. counts (5, clusters): points of each in
+    all rows, in the first and last row, in the first and last column of the cell.
     """
 
     first_row: np.ndarray
@@ -79,11 +73,7 @@ class _Block:
 
 
 class _Joiner:
-    """Joins blocks; n, periodic and corners are those of `find_clusters`.
-
-    Appends to `whole` the sizes of clusters that no longer reach a border, and sets `percolates`
-    (2,).
-    """
+    """Joins blocks; clusters off the borders go to `whole`. Sets `percolates` (2,)."""
 
     def __init__(self, n: tuple[int, int], periodic: tuple[bool, bool], corners: bool):
         self.n = n
@@ -130,11 +120,8 @@ class _Joiner:
     def _pairs(
         self, a: np.ndarray, b: np.ndarray, across: tuple[int, int] = (0, 0)
     ) -> list[np.ndarray]:
-        """Return edges (4, edges) between points that touch on neighbouring lines a and b (3,
-        points).
-
-        across: borders of the cell, along x and y, that are crossed from a to b. The transposes of
-        what is returned are for kernels/clusters.py: join.
+        """Return edges (4, edges), for `join`, between touching points of neighbouring lines a and
+        b (3, points). across: borders of the cell crossed from a to b, along x and y.
         """
         ways = [(slice(None), slice(None), 0)]
         if self.corners:
@@ -156,10 +143,7 @@ class _Joiner:
         first_row: np.ndarray,
         last_row: np.ndarray,
     ) -> _Block:
-        """Join pieces of clusters that share edges, and return the block between two rows.
-
-        Clusters that reach neither of the rows are whole: their sizes are appended to `whole`.
-        """
+        """Return the block between two rows, joined; clusters that reach neither go to `whole`."""
         pieces = counts.shape[1]
         parent = np.arange(pieces)
         shift = np.zeros((pieces, 2), np.int64)

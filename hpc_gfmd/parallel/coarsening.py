@@ -1,7 +1,7 @@
-"""How a grid is coarsened: sizes and wave numbers of the levels, and which coarse rows a rank owns.
+"""Sizes and wave numbers of the levels of a grid, and which coarse rows a rank owns.
 
-Coarse rows first live where the fine ones do. Where that leaves ranks with too little, or without
-rows, they are agglomerated on every second, fourth, ... rank.
+Coarse rows first live where the fine ones do; where ranks have too few they are agglomerated on
+every second, fourth, ... rank.
 """
 
 from __future__ import annotations
@@ -26,21 +26,15 @@ Tables = tuple[np.ndarray, np.ndarray, int, np.ndarray, np.ndarray, np.floating]
 
 @dataclass(frozen=True)
 class Level:
-    """One level of the hierarchy: its points (n_x, n_y), and its largest wave number over sqrt 2.
-
-    q is as Grid.q_nyquist, in 1/a with the spacing a of the finest grid; for a single point half
-    that of the level before.
-    """
+    """A level: points (n_x, n_y), and largest wave number over sqrt 2 in 1/a of the finest grid."""
 
     n: tuple[int, int]
     q: float
 
 
 def levels(grid: Grid) -> list[Level]:
-    """List all levels of a grid, finest first, down to one point.
-
-    An axis whose spacing is at least sqrt 2 times that of the other is not coarsened in that step
-    (semi-coarsening), so that stretched cells approach square spacing.
+    """List the levels of a grid, finest first, down to one point; only the axis of the smaller
+    spacing is halved if they differ by sqrt 2 (semi-coarsening).
     """
     n = grid.n
     spacing = tuple(s / grid.a for s in grid.spacings)
@@ -55,10 +49,7 @@ def levels(grid: Grid) -> list[Level]:
 def halved(
     n: tuple[int, int], spacing: tuple[float, ...], fewest: int = 2
 ) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return the points of the next coarser level and their spacing, in the unit of `spacing`.
-
-    An axis of fewer than `fewest` points is not coarsened, nor compared with the other.
-    """
+    """Return points and spacing of the next level; axes of fewer than `fewest` points stay."""
     finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
     coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
     return (coarse[0], coarse[1]), tuple(s * k / c for s, k, c in zip(spacing, n, coarse))
@@ -74,9 +65,8 @@ def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
 def axis_tables(
     n: int, m: int, dtype: np.dtype, start: int = 0, stop: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return J0 and f of the fine points start <= i < stop of one axis (kernels/multilevel.py).
-
-    n, m: points of the fine and the coarse axis. The arrays are cached: do not change them.
+    """Return J0 and f of fine points start <= i < stop (kernels/multilevel.py), n fine and m coarse
+    points on the axis. Cached: do not change them.
     """
     i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
@@ -94,19 +84,15 @@ def axis_mode(n: int, m: int) -> int:
 
 
 def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
-    """Return the first of the m coarse rows that every rank owns, and m.
-
-    Coarse row J lies at fine row J n/m, which need not be whole. It belongs to the rank that owns
-    fine row floor(J n/m), so that a rank may own none.
+    """Return the first of m coarse rows of every rank, and m: row J is with fine row floor(J n/m),
+    so a rank may own none.
     """
     return -(-np.asarray(starts, dtype=np.int64) * m // n)
 
 
 def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
-    """Return the first row of every rank, and their number, after gathering on ranks 0, s, 2 s, ...
-
-    s is the smallest power of two that leaves each of them `share` of the `points` on average, or
-    all rows on one rank; the others then have no rows.
+    """Return the first row of every rank, and their number, gathered on ranks 0, s, 2 s, ..., with
+    the smallest power of two s that leaves `share` points each on average.
     """
     starts = np.asarray(starts)
     size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any
@@ -121,9 +107,8 @@ def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
 class Transfer:
     """One rank's part of the transfer between a level (n points) and the next coarser one (m).
 
-    Rank r has fine rows begin[r] <= i < end[r], of which the last may be row n, which is row 0. It
-    writes to and reads from a window of coarse rows, lo[r] <= J < hi[r]: all those that its fine
-    rows lie on or beside. An array of the window has a row more before and after.
+    Its fine rows begin[r] <= i < end[r], of which row n is row 0, touch a window lo[r] <= J < hi[r]
+    of coarse rows; an array of the window has a row more before and after.
     """
 
     def __init__(
@@ -181,10 +166,8 @@ class Transfer:
 
 
 def passes_of(coarse_rows: np.ndarray, longest: int) -> list[tuple[int, int]]:
-    """Split fine rows into ranges (begin, end) of at most `longest` rows, in order.
-
-    Each begins at the first fine row of a coarse row, unless one has more than `longest` of them.
-    coarse_rows: the coarse row before each fine row.
+    """Split fine rows into ranges of at most `longest` that begin at the first fine row of a coarse
+    row (unless one has more); coarse_rows: the coarse row before each fine row.
     """
     passes = []
     begin = 0

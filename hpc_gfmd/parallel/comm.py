@@ -79,8 +79,7 @@ class SerialComm:
 
 
 def stages(size: int) -> int:
-    """Return how many messages a rank sends in a reduction over `size` ranks, by recursive
-    doubling."""
+    """Return the messages a rank sends in a reduction, by recursive doubling."""
     return (size - 1).bit_length()
 
 
@@ -137,10 +136,8 @@ class MpiComm:
         return self.mpi.bcast(obj, root=root)
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Send and receive contiguous arrays by rank, all at once.
-
-        Collective for the ranks that take part: each array that a rank sends must be expected by
-        the other one, in the same size.
+        """Send and receive contiguous arrays by rank, all at once; both sides must name each array,
+        in one size. Collective for those ranks.
         """
         from mpi4py import MPI
 
@@ -153,10 +150,8 @@ class MpiComm:
         self.mpi.Allgatherv(send, [receive, counts])
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """Send bytes from every rank to every other, into the array of `receive`.
-
-        send, receive: (contiguous array of any type, number of bytes for or from each rank, offset
-        of these bytes in the array). Bytes of the receiving array that no rank sends to stay.
+        """Send bytes from every rank to every other; send, receive: (contiguous array, bytes for or
+        from each rank, their offsets). Other bytes stay.
         """
         from mpi4py import MPI
 
@@ -166,11 +161,8 @@ class MpiComm:
         )
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """Join the objects of all ranks up a tree: return that of all on rank 0, None on the
-        others.
-
-        join(a, b) returns the joined object of all ranks of a and b, where the ranks of b follow
-        those of a. A rank receives at most ceil(log2(ranks)) messages.
+        """Return on rank 0 (else None) the objects of all ranks joined up a tree in order of the
+        ranks; a rank receives at most ceil(log2(ranks)) messages.
         """
         step = 1
         while step < self.size:
@@ -183,11 +175,8 @@ class MpiComm:
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
-        """Return the communicator of these ranks (ascending) alone; None on ranks that are not
-        among them.
-
-        All ranks together are this communicator itself. Others are made once for the same ranks,
-        since MPI has a limited number of communicators.
+        """Return the communicator of these ranks (ascending), None on others; made once and kept,
+        since MPI has a limited number.
         """
         from mpi4py import MPI
 
@@ -207,10 +196,7 @@ class MpiComm:
         self.mpi.Barrier()
 
     def wait_asleep(self, seconds: float = inf) -> bool:
-        """Wait for all ranks without using a core, as MPI's own waiting does.
-
-        Returns whether all have come within this time; the others must not go on if not.
-        """
+        """Wait for all ranks without using a core; if this returns False they must not go on."""
         request = self.mpi.Ibarrier()
         end = time.monotonic() + seconds
         pause = SHORTEST_PAUSE
@@ -228,11 +214,7 @@ class MpiComm:
 
     @cached_property
     def node(self) -> "Comm":
-        """The communicator of the ranks that share memory with this one: all ranks on the machine,
-        or this one alone if they cannot share memory.
-
-        Collective at the first access.
-        """
+        """The communicator of ranks that share memory with this one. Collective at first access."""
         if self.machine.size > 1 and can_share(self.machine):
             return self.machine
         return SerialComm(self)
@@ -244,10 +226,7 @@ class MpiComm:
 
 
 class DryRunComm:
-    """The communicator of an imagined rank, to plan a run: it knows who is where, but cannot send.
-
-    nodes: (size,), number of the node of every rank; ranks share memory within a node alone.
-    """
+    """The communicator of an imagined rank, to plan a run: knows who is where, but cannot send."""
 
     mpi = parent = None
 

@@ -1,8 +1,7 @@
-"""HDF5 files that grow, and can always be brought back to the last state that was complete.
+"""HDF5 files that grow, and can be brought back to their last complete state.
 
-`commit` keeps all bytes of a file that are no numbers of fields, and its size, in a second file:
-whatever dies later, `recover` brings the file back to that state, and `reading` shows it in that
-state meanwhile. So no field is ever written twice.
+`commit` keeps the size of a file and all its bytes but the numbers of fields in a second file;
+`recover` restores that state, `reading` shows it meanwhile. No field is ever written twice.
 """
 
 import io
@@ -21,11 +20,7 @@ def committed_file(path: Path) -> Path:
 
 
 def commit(path: Path) -> None:
-    """Make the present state of a closed file the one that `recover` brings back. One process calls
-    it.
-
-    The numbers of fields must not change later, and stay in place.
-    """
+    """Make the state of a closed file, whose fields must not change later, the one to recover."""
     size = path.stat().st_size
     places = []
     content = []
@@ -66,10 +61,7 @@ def _numbers_in(path: Path) -> list[tuple[int, int]]:
 
 
 def _committed(path: Path) -> tuple[int, list[tuple[int, bytes]]]:
-    """Return (size, [(offset, bytes)]) of the committed state of a file.
-
-    Raises OSError if there is none, ValueError if it is damaged.
-    """
+    """Return (size, [(offset, bytes)]) of the committed state; ValueError if it is damaged."""
     head, _, content = committed_file(path).read_bytes().partition(b"\n")
     size, places = json.loads(head)
     pieces = []
@@ -80,11 +72,7 @@ def _committed(path: Path) -> tuple[int, list[tuple[int, bytes]]]:
 
 
 def recover(path: Path) -> None:
-    """Bring a file back to its committed state, or remove it if there is none. One process calls
-    it.
-
-    Raises OSError or ValueError if that fails.
-    """
+    """Bring a file back to its committed state, or remove it if there is none; on one process."""
     if not committed_file(path).exists():
         path.unlink(missing_ok=True)
         return
@@ -140,11 +128,7 @@ class _Growing(io.RawIOBase):
 
 @contextmanager
 def reading(path: Path) -> Iterator[Any]:
-    """Open an h5py file for reading, without locking it, so also while it is written; a growing one
-    as it was committed.
-
-    Raises OSError if it cannot be opened.
-    """
+    """Open an h5py file to read as it was committed, without a lock, even while it is written."""
     import h5py
 
     if not committed_file(path).exists():

@@ -1,23 +1,20 @@
-"""Slab-decomposed two-dimensional real FFT in passes that work on cache-sized pieces.
+"""Slab-decomposed two-dimensional real FFT in passes over cache-sized pieces.
 
-Every rank owns a slab of rows of the real field. The caller hands in functions that make or use a
-few rows at a time (they stay in cache between the caller's arithmetic and the row transform), and
-functions that work on a few complete columns of the spectrum; or a compiled pass calls the
-transforms by itself (kernels/transforms.py). One field of complex numbers is all the memory that a
-convolution needs:
+Every rank owns a slab of rows of the real field. Callers hand in functions for a few rows or
+columns at a time, or compiled passes that call the transforms (kernels/transforms.py); one complex
+field is all the memory that a convolution needs:
 
     forward_rows(fill)    fill(i0, i1, x) makes rows i0..i1 of the real field -> row spectra
     columns(apply)        transpose a block of columns, transform it, apply(block, m), and back
     backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
 
-The columns are cut into M blocks; block m = k P + r belongs to rank r, and row spectra are stored
-block by block. To be transformed a block is transposed: contiguous columns (width, n_x) are
-transformed up to twice as fast. What ranks on the same node have of it is read and written back in
-their common memory (shared.py); what ranks on other nodes have is sent in the all-to-all number k,
-whose send buffers are contiguous as they stand.
+The columns are cut into M blocks, of which block m = k P + r belongs to rank r; row spectra are
+stored block by block. A block is transposed to contiguous columns (width, n_x), which transform up
+to twice as fast. Its parts on the same node are read and written in common memory (shared.py), the
+others are sent in the all-to-all number k, whose send buffers are contiguous as they stand.
 
-Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The transforms here
-leave out 1/N in both directions; `scale` = 1/N is folded into the kernels that work on columns.
+Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The transforms leave
+out 1/N in both directions; `scale` = 1/N is folded into the kernels that work on columns.
 """
 
 from __future__ import annotations
@@ -48,10 +45,10 @@ RowWork = Callable[[int, int, np.ndarray], T]  # makes or uses local rows i0 <= 
 class SlabFFT(Layout):
     """Transforms of one grid in one precision, planned when the object is made: collective.
 
-    `blocks` holds one spectrum at a time, the row spectra of this rank block by block:
-    `forward_rows` overwrites it, and so do `columns` and `multiply_columns` unless told not to
-    transform back. `rows` and `_columns` are, of each thread, what kernels take
-    (kernels/transforms.py). In `multipliers` bodies keep what they multiply the columns by.
+    `blocks` holds one spectrum, this rank's row spectra block by block, overwritten by
+    `forward_rows`, `columns` and `multiply_columns` (unless without `backward`). `rows` and
+    `_columns` are what kernels take, by thread; `multipliers` is where bodies keep what they
+    multiply columns by.
     """
 
     def __init__(
@@ -90,10 +87,8 @@ class SlabFFT(Layout):
         self._columns = self._columns_of_threads()
 
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Allocate the spectrum in memory that the ranks of the node share. Collective.
-
-        Returns all of this memory, where the part of each rank of the node begins in it, and the
-        part of this rank, which holds its rows of all blocks.
+        """Return the node's shared memory for a spectrum, where each rank's part begins, and this
+        rank's part (its rows of all blocks). Collective.
         """
         node = self.comm.node
         length = self.n_loc * self.n_c
@@ -151,10 +146,8 @@ class SlabFFT(Layout):
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
     def forward_rows(self, fill: RowWork[T]) -> list[T]:
-        """Transform the rows that `fill` makes, into `blocks`. Not collective.
-
-        fill(i0, i1, x) writes local rows i0 <= i < i1 into x, scratch of a thread, for all
-        `passes`, on several threads at once. Returns what it returned, pass by pass.
+        """Transform the rows that fill(i0, i1, x) writes into x, on threads, into `blocks`; return
+        its results by pass. Not collective.
         """
 
         def forward(i0: int, i1: int, rows: tuple) -> T:
@@ -176,10 +169,8 @@ class SlabFFT(Layout):
     def forward_passes(
         self, work: Callable[[np.ndarray, np.ndarray, np.ndarray, tuple], Any]
     ) -> None:
-        """Transform the rows that a kernel makes, into `blocks`. Not collective.
-
-        work(passes, parts, turns, rows), on each thread: all `passes` (passes, 2), parts and turns
-        of `Shares`, and `rows` of the thread.
+        """Transform the rows of a kernel, work(passes (passes, 2), parts, turns, rows) on each
+        thread, into `blocks`. Not collective.
         """
         passes = np.array(self.passes(), np.int64).reshape(-1, 2)
         parts = Shares(len(passes), self.threads)
@@ -196,11 +187,9 @@ class SlabFFT(Layout):
     def columns(
         self, apply: Callable[[np.ndarray, int], T], forward: bool = True, backward: bool = True
     ) -> list[T]:
-        """Call apply(block, m) on every block m (width, n_x) of complete columns of this rank,
-        which it may change.
-
-        Without `forward` apply gets zeros; without `backward` what it makes of a block is lost.
-        Returns what apply returned, in the order of the blocks. Collective.
+        """Call apply(block, m), which may change it, on this rank's blocks (width, n_x) of complete
+        columns; return its results. Collective. Without `forward` blocks are zeros, without
+        `backward` they are lost.
         """
         results: list[Any] = [None] * self.K
 
@@ -222,11 +211,11 @@ class SlabFFT(Layout):
     def multiply_columns(
         self, factors: tuple, inverse: bool, backward: bool
     ) -> tuple[float, float]:
-        """Apply K, or with `inverse` 1/K, to the field u whose row spectra are in `blocks`.
+        """Apply K, or `inverse` 1/K, to the field u whose row spectra are in `blocks`. Collective.
 
-        factors: as of kernels/spectral.py: multiply_blocks. Without `backward` `blocks` keeps the
-        spectra of u. Returns this rank's share of the sum of u K u, or u (u/K), over points, and on
-        rank 0 the mean of u. Collective.
+        Returns this rank's share of the sum of u K u, or u (u/K), over points, and on rank 0 the
+        mean of u. factors: as of kernels/spectral.py: multiply_blocks; without `backward` `blocks`
+        keeps the spectra.
         """
         sums = np.zeros((self.K, 2))
 
@@ -249,10 +238,8 @@ class SlabFFT(Layout):
     def _on_blocks(
         self, work: Callable[[int, int, tuple], None], forward: bool, backward: bool
     ) -> None:
-        """Call work(k0, k1, columns) for all blocks of this rank, on all threads. Collective.
-
-        Before it, if `forward`, rows of the blocks are fetched from other nodes; after it, if
-        `backward`, they are sent back. The ranks of a node wait for each other before and after.
+        """Call work(k0, k1, columns) for all blocks on all threads, with rows fetched from other
+        nodes before and sent after; a node's ranks wait for each other. Collective.
         """
         self.comm.node.barrier()  # all rows of the node are there
         if self.far.any():
@@ -268,10 +255,8 @@ class SlabFFT(Layout):
         self.comm.node.barrier()  # all columns are back
 
     def _exchange(self, group: range, back: bool) -> None:
-        """Fetch rows of blocks k in `group` from other nodes, or send them `back`. Collective.
-
-        Block k is in the scratch of thread k - group.start: there are no more blocks in `group`
-        than threads.
+        """Fetch rows of blocks k in `group` (at most one a thread) from other nodes, or send them
+        `back`; block k is in the scratch of thread k - group.start. Collective.
         """
         for k, scratch in zip(group, self._scratch):
             blocks = self._slab(k * self.size, (k + 1) * self.size)

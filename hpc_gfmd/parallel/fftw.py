@@ -1,5 +1,4 @@
-"""FFTW as kernels call it: the addresses of its functions, and plans of transforms of many rows or
-columns at once. Nothing is normalised."""
+"""FFTW as kernels call it: addresses, and plans for many rows or columns; nothing is normalised."""
 
 import ctypes
 import os
@@ -26,10 +25,8 @@ MEASURE = 0
 
 @cache
 def load_fftw() -> tuple[str, dict[str, ctypes.PyDLL]]:
-    """Return the name of FFTW's library, and by "float32" and "float64" what has its functions.
-
-    Packages are searched, but not imported: mpi4py-fft would start MPI. Raises SceneError if there
-    is no library, or not the one that HPC_GFMD_FFTW names.
+    """Return the library's name and, by precision, what has its functions; packages are searched,
+    not imported (mpi4py-fft would start MPI). SceneError without a library.
     """
     setting = os.environ.get(VARIABLE)
     if setting:
@@ -83,11 +80,8 @@ def _files_of_mkl() -> list[str]:
 
 
 class Plans:
-    """The four transforms of a slab: rows forward and back, columns forward and back, in place.
-
-    Planning measures, which overwrites the arrays; they must live as long as the plans. Rows go
-    from real (R, n_y) to half (R, n_y//2 + 1); columns are by their number in a block (columns,
-    n_x).
+    """The four transforms of a slab, in place, of rows (R, n_y) and columns by their number
+    (columns, n_x). Planning overwrites the arrays, which must outlive the plans.
     """
 
     def __init__(self, real: np.ndarray, half: np.ndarray, blocks: Sequence[np.ndarray]):
@@ -97,10 +91,7 @@ class Plans:
         self.columns_backward = {len(a): self._plan("", a, a, BACKWARD) for a in blocks}
 
     def _plan(self, kind: str, x: np.ndarray, out: np.ndarray, *sign: int) -> Transform:
-        """Plan by measurement a transform of the rows of x to out, destroyed with this object.
-
-        kind: "_r2c", "_c2r", or "" with a sign.
-        """
+        """Plan by measurement a transform of rows of x; kind: "_r2c", "_c2r", or "" with a sign."""
         real = x.real.dtype.name
         prefix = PREFIXES[real]
         library = load_fftw()[1][real]

@@ -1,12 +1,11 @@
 """The periodic grid, its slabs, wave vectors and sums over ranks.
 
-Convention of the discrete Fourier transform, used everywhere:
+Convention of the discrete Fourier transform, used everywhere, with q of the minimal image:
 
     h_q = (1/N) sum_r h(r) exp(-i q.r),    h(r) = sum_q h_q exp(+i q.r),    N = n_x n_y
     h_rms^2 = sum_{q != 0} |h_q|^2,        g_rms^2 = sum_q q^2 |h_q|^2
 
-and q of the minimal image. In-plane lengths inside the program are in units of the grid spacing a =
-sqrt(a_x a_y), so that |q| <= pi on a square grid whatever the physical size of the cell.
+In-plane lengths inside the program are in units of the grid spacing a = sqrt(a_x a_y).
 """
 
 from __future__ import annotations
@@ -95,10 +94,8 @@ class Grid:
         starts: ArrayLike | None = None,
         nominal: Sequence[int] | None = None,
     ) -> Grid:
-        """Make a grid that shares transforms and tables with earlier grids of its size.
-
-        Only grids of a single process, made in the same thread, share them, because scratch memory
-        is among them. A thread keeps those of the KEPT sizes that it has used last.
+        """Make a grid that shares transforms, tables and scratch memory with earlier ones of its
+        size, in one thread of one process; the last KEPT sizes are kept.
         """
         if comm.size > 1 or comm.parent is not None:
             return cls(n, sizes, comm, threads, starts, nominal)
@@ -128,8 +125,7 @@ class Grid:
 
     @property
     def inside(self) -> tuple[int, int]:
-        """(rows, points) of this rank's part of the nominal area: its first local rows, and the
-        first points of each."""
+        """(rows, points) of this rank's nominal area: first local rows, first points of each."""
         start, stop = self.nominal_rows
         return stop - start, self.nominal[1]
 
@@ -173,10 +169,7 @@ class Grid:
 
     @cached_property
     def q_nyquist(self) -> float:
-        """q| at the corner of the Brillouin zone over sqrt 2, in 1/a: pi on a square grid.
-
-        An axis of one point is left out; 1 for a single point.
-        """
+        """|q| at the corner of the Brillouin zone over sqrt 2, in 1/a; 1 for a single point."""
         q = [np.pi * self.a / s for s, n in zip(self.spacings, self.n) if n > 1]
         return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
@@ -215,18 +208,12 @@ class Grid:
         return pieces_of(rows, self.n[1])
 
     def by_rows(self, work: Callable[[int, int], T], rows: int | None = None) -> list[T]:
-        """Call work(i0, i1) on local rows i0 <= i < i1, piece by piece, on all threads. Not
-        collective.
-
-        Returns what work returned, in the order of the `pieces`, whatever the number of threads.
-        """
+        """Return what work(i0, i1) gives for each of the `pieces` of local rows. Not collective."""
         return on_threads(self.threads, work, self.pieces(rows))
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
-        """Return what make() returned when it was called first with this key.
-
-        Together with the size of the grid the key determines the value, which is shared by the
-        grids that share tables: it must not be changed.
+        """Return make() of the first call with this key, which with the grid's size determines the
+        shared value: do not change it.
         """
         values = self._tables.values
         if key not in values:
@@ -234,10 +221,7 @@ class Grid:
         return values[key]
 
     def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
-        """Return wave number q_y (1/a) and multiplicity of every column, (blocks of all ranks, W).
-
-        Both are 0 for columns that a narrow block lacks.
-        """
+        """Return q_y (1/a) and multiplicity of every column, (blocks, W); 0 for missing columns."""
         j = fft.edges[:-1, None] + np.arange(fft.W)
         weight = np.where(j < fft.edges[1:, None], self.multiplicity(j), 0)
         q_y = np.where(weight > 0, self.q_y[np.minimum(j, self.n[1] // 2)], 0.0)

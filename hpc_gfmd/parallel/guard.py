@@ -1,5 +1,4 @@
-"""Blocks of work that fail on all ranks or on none: a rank that raises while others wait hangs the
-job."""
+"""Blocks of work that fail on all ranks or on none: a rank that raises alone hangs the others."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,10 +14,10 @@ T = TypeVar("T")
 def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
     """Make a block raise on every rank if it raises on any. Collective.
 
-    The block must not contain a collective call that a failing rank would skip, unless that call is
-    in such a block of its own. A GfmdError stays what it is, any other Exception becomes one whose
-    message begins with `doing`; a rank that has not failed gets that of the lowest rank that has. A
-    KeyboardInterrupt or SystemExit leaves the block on its rank alone, while the others wait.
+    The block must not contain a collective call that a failing rank would skip, unless in such a
+    block of its own. A GfmdError stays, other Exceptions become one that begins with `doing`; ranks
+    that have not failed raise that of the lowest that has. KeyboardInterrupt and SystemExit are not
+    passed on.
     """
     error: GfmdError | None = None
     try:
@@ -61,11 +60,8 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
 
 
 def raise_on_all(comm: Comm, error: Exception | None) -> None:
-    """Raise on every rank if any rank has an error; return if none has one. Collective.
-
-    A rank raises its own error, others that of the lowest rank: with its type and text if it is a
-    GfmdError, otherwise a GfmdError. Ranks wait for each other asleep: one of them may be busy for
-    a long time, on their cores.
+    """Raise on every rank if any rank has an error: its own, or that of the lowest rank, as
+    GfmdError. Collective; ranks wait asleep, as another may need their cores for long.
     """
     comm.wait_asleep()
     failing_rank = int(comm.min([comm.size if error is None else comm.rank])[0])

@@ -1,9 +1,8 @@
-"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows.
+"""HDF5 files with fields of n_x times n_y points, spread over the ranks as slabs of rows.
 
-Rank 0 lays a file out: it takes the disk space for all of it, because HDF5 does not survive a full
-disk, and creates the datasets. Then every rank writes its own rows, by MPI-IO or through rank 0.
-
-A file can grow by one more such step, see committed.py.
+Rank 0 takes the disk space of the whole file, since HDF5 does not survive a full disk, and creates
+the datasets; then every rank writes its rows, by MPI-IO or through rank 0. A file grows by one more
+such step (committed.py).
 """
 
 import os
@@ -40,10 +39,8 @@ class Stored:
     def pieces(
         self, comm: Comm | None = None, rows: tuple[int, int] | None = None
     ) -> Iterator[tuple[int, np.ndarray]]:
-        """Yield (number of the first row, rows) of this rank, default all, in pieces. Collective.
-
-        There are as many pieces on every rank, and each must take all of its own, some of which may
-        have no rows. Raises GfmdError on all ranks if one cannot read.
+        """Yield (first row, rows) of this rank in pieces, as many on every rank (some empty), all
+        of which must be taken. Collective.
         """
         comm = comm or SerialComm()
         rows = rows or (0, self.shape[0])
@@ -53,10 +50,7 @@ class Stored:
             yield start, piece
 
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
-        """Return the rows (start, stop) of this rank as one array. Collective.
-
-        Raises GfmdError on all ranks if one cannot read, or lacks the memory.
-        """
+        """Return the rows (start, stop) of this rank as one array. Collective."""
         with collective_errors(comm, f"reading {self.path}"):
             return self._rows(*rows)
         raise AssertionError
@@ -80,10 +74,8 @@ def write_file(
     describe: Callable[[Any], object] = lambda file: None,
     together: bool = False,
 ) -> None:
-    """Write or replace one HDF5 file, all of it or nothing, by way of a .tmp file. Collective.
-
-    describe(file) is called by rank 0 when the datasets are there, still empty; the rest as for
-    `write_rows`. Raises GfmdError on every rank when any fails.
+    """Write or replace one HDF5 file, all or nothing, by a .tmp file; describe(file) is called by
+    rank 0 on empty datasets. Collective.
     """
     tmp = path.with_name(path.name + ".tmp")
     doing = f"writing {path}"
@@ -105,11 +97,8 @@ def lay_out(
     compressed: bool = False,
     more: bool = False,
 ) -> None:
-    """Write a file without the numbers of its fields, (shape, dtype) by name, and take the disk
-    space for all of it. One process calls it.
-
-    describe(file) is called when the datasets are there, still empty; `more` adds to a file that
-    exists. Raises OSError if the disk is full, with the space that is needed.
+    """Write a file without its fields' numbers, but take the disk space (OSError if full). One
+    process calls it. describe(file) sees empty datasets; `more` adds to a file.
     """
     import h5py
 
@@ -148,12 +137,8 @@ def write_rows(
     together: bool,
     doing: str,
 ) -> None:
-    """Write the rows (start, stop) of all ranks to datasets of a laid-out file, and have them on
-    the disk.
-
-    Fields are local slabs (any object with `dtype` and slices) or `Stored`, the same names on every
-    rank. `together`: every rank writes its own rows, by MPI-IO; otherwise rank 0 writes for all.
-    Raises GfmdError, which begins with `doing`, on every rank when any fails. Collective.
+    """Write the rows (start, stop) of all ranks to a laid-out file, down to the disk. Collective.
+    Fields: local slabs or `Stored`; `together`: by MPI-IO, else through rank 0.
     """
     together = together and comm.size > 1
     ranks_at_once = 1 if together else comm.size
@@ -188,10 +173,8 @@ def _piece(field: Any, start: int, stop: int, first: int) -> np.ndarray:
 
 @contextmanager
 def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]:
-    """Open a laid-out file to fill in: on all ranks by MPI-IO if `together`, else on rank 0 alone.
-
-    Yields the h5py file, or on ranks without it a context that does nothing. Errors, also those of
-    the block, raise GfmdError on all ranks. Collective.
+    """Open a laid-out file on all ranks (`together`) or on rank 0, else yield a context that does
+    nothing; errors of the block are raised on all. Collective.
     """
     import h5py
 
@@ -207,10 +190,7 @@ def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]
 
 
 def mpi_io_obstacle(comm: Comm, path: Path) -> str:
-    """Return why the ranks cannot write an existing file by MPI-IO, "" if they can. Collective.
-
-    Open MPI needs room in /dev/shm for that; some file systems lack what MPI-IO needs.
-    """
+    """Return why the ranks cannot write a file by MPI-IO, "" if they can. Collective."""
     import h5py
 
     if comm.size == 1:
@@ -234,10 +214,8 @@ def mpi_io_obstacle(comm: Comm, path: Path) -> str:
 
 
 def inside(group: Any, name: str) -> Any:
-    """Return a member of a group, which must be stored in the same file.
-
-    Raises KeyError if there is none, and ValueError if it, or its numbers, lie in another file: a
-    link, a virtual or an external dataset could name any file of the machine.
+    """Return a member of a group; ValueError if it, or its numbers, lie in another file, as links,
+    virtual and external datasets could name any file of the machine.
     """
     import h5py
 
@@ -250,10 +228,7 @@ def inside(group: Any, name: str) -> Any:
 
 
 def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, int]]:
-    """Cut this rank's rows into pieces (start, stop) of at most PIECE_BYTES, as many on every rank.
-
-    A piece has at least one row, however long, but the last ones may be empty. Collective.
-    """
+    """Cut this rank's rows into pieces up to PIECE_BYTES, as many on each rank. Collective."""
     step = max(1, PIECE_BYTES // row_bytes)
     count = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
     return [

@@ -1,9 +1,8 @@
-"""Rows (..., rows, m) of a field that other ranks own: windows of rows, filled from their owners or
-added to them.
+"""Rows (..., rows, m) that other ranks own: windows filled from their owners or added to them.
 
-The rows 0 <= i < n of a field form a ring. Rank r owns the rows starts[r] <= i < starts[r + 1],
-perhaps none, and has a window lo[r] <= i < hi[r], which may reach around the ring. Halo rows are
-windows, and so are the rows that a rank has before they are agglomerated on fewer ranks.
+The rows of a field form a ring. Rank r owns rows starts[r] <= i < starts[r + 1], perhaps none, and
+has a window lo[r] <= i < hi[r], which may reach around the ring: halo rows, or the rows that a rank
+has before they are agglomerated on fewer ranks.
 """
 
 from collections.abc import Sequence
@@ -19,10 +18,8 @@ Pieces = dict[int, list[slice]]  # rows of an array by the rank that they go to,
 class Windows:
     """Which rank sends which rows to which, to fill windows of rows that others own.
 
-    If n is more than starts[-1] the last rows of the ring belong to no rank and are left as they
-    are. `own` lists rows of this rank's window with the same rows among its own; `take` and `give`,
-    by rank, rows of the window that come from it and own rows that go to it; `interior` is the
-    place of the own rows in a window of those and halo rows.
+    Rows from starts[-1] to n belong to no rank and stay. `own` lists rows of the window among its
+    own; `take` and `give`, by rank, rows that come and go; `interior`: own rows between halo rows.
     """
 
     def __init__(
@@ -62,10 +59,7 @@ class Windows:
         self.interior = slice(begin, begin + int(starts[rank + 1] - starts[rank]))
 
     def fill(self, comm: Any, owned: np.ndarray, window: np.ndarray) -> None:
-        """Copy the rows of all windows (..., rows, m) from the ranks that own them. Collective.
-
-        `owned` may be a part of `window`. Rows that belong to no rank stay.
-        """
+        """Copy the rows of all windows from the ranks that own them. Collective."""
         received = _exchange(comm, owned, self.give, window, self.take)
         for rows, owned_rows in self._apart(owned, window):
             window[..., rows, :] = owned[..., owned_rows, :]
@@ -81,9 +75,7 @@ class Windows:
             owned[..., owned_rows, :] += values
 
     def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[tuple[slice, slice]]:
-        """List (rows of the window, own rows) that this rank must copy or add itself, without those
-        that are the same memory in both arrays.
-        """
+        """List (rows of the window, own rows) to be copied, without those of the same memory."""
         is_same_memory = np.may_share_memory(owned, window)
         return [piece for piece in self.own if not (is_same_memory and piece[0] == self.interior)]
 
@@ -94,11 +86,9 @@ class Windows:
 
 
 class Overlaps:
-    """Rows that windows of several ranks have in common, where each rank has its part of a sum.
-
-    `give` has rows of this rank's window by the rank that they are sent to; `parts` the terms of
-    the sums, in an order that is the same on all ranks: (source, rows of its window, the same rows
-    of this rank's); `common` rows of this window that others have, too.
+    """Rows that windows have in common, of which each has part of a sum. `parts`: terms (source,
+    its rows, this rank's), in one order on all ranks; `common`: rows that others have too; `give`:
+    by rank.
     """
 
     def __init__(self, rank: int, lo: ArrayLike, hi: ArrayLike, n: int):
@@ -142,9 +132,8 @@ class Overlaps:
 
 
 def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.ndarray]) -> None:
-    """Replace the rows that windows (..., rows, m) share by their sum over ranks, in place.
-
-    All fields go in one message from a rank to another. Collective.
+    """Replace shared rows of windows (..., rows, m) by their sum over ranks, in place, in one
+    message a pair. Collective.
     """
     fields = list(zip(overlaps, windows))
     give: dict[int, list[np.ndarray]] = {}
@@ -240,10 +229,8 @@ def rows_of(
     hi: np.ndarray,
     n: int | None = None,
 ) -> np.ndarray:
-    """Return rows lo[rank] <= i < hi[rank] of a field, from their owners, as a new array.
-
-    a (..., rows of this rank, m) begins at row starts[rank] of a ring of n rows, as of Windows;
-    rows that belong to no rank are 0. Collective.
+    """Return rows lo[rank] <= i < hi[rank] of a field as a new array, 0 where no rank owns them.
+    Collective. a (..., own rows, m), on a ring of n rows.
     """
     bounds = np.asarray(starts)
     if comm.size == 1 and a.shape[-2] == (bounds[-1] if n is None else n):
@@ -257,10 +244,8 @@ def rows_of(
 def neighbours(
     comm: Any, a: np.ndarray, starts: np.ndarray, width: int, owned: ArrayLike | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the `width` rows before and those after the rows of this rank, on the ring.
-
-    owned: like `starts`, of the rows that the field has, if it lacks the last rows of the ring:
-    those are 0. Collective.
+    """Return the `width` rows before and after this rank's on the ring. Collective. owned: as
+    `starts`, of the rows that exist; others are 0.
     """
     begin = np.asarray(starts)[:-1]
     end = np.asarray(starts)[1:]

@@ -26,11 +26,9 @@ class Stopped(Exception):
 
 
 def check(comm: Comm) -> None:
-    """Raise Stopped on all ranks of a communicator if one of them was sent a signal. Collective.
-
-    Only if an Interrupt listens on this communicator or one that it is a part of. The wall-clock
-    budget is left to `poll`, so that a run with a short one still comes to an iteration and keeps
-    its gap.
+    """Raise Stopped on all ranks of a communicator if one was sent a signal and an Interrupt
+    listens. Collective. The deadline is left to `poll`, so that a run comes to an iteration and
+    keeps its gap.
     """
     whole: Any = comm
     while whole.parent is not None:
@@ -51,12 +49,10 @@ def stop(number: int) -> NoReturn:
 
 
 class Interrupt:
-    """Listens for requests to stop in a `with` block: signals, and a deadline in seconds from now.
+    """Listens for signals (in the main thread) and a deadline in seconds, in a `with` block.
 
-    Handlers are installed in the main thread only. A first signal is noted in `signal`, and
-    announce() is called at once: mpirun leaves its ranks a second, which an iteration may take. A
-    second signal ends the process. `agreed` is the signal that all ranks have agreed to stop for;
-    both are 0 before.
+    A first signal is noted in `signal` and announced at once, as mpirun leaves its ranks a second;
+    a second one ends the process. `agreed` is the one that all ranks stop for.
     """
 
     def __init__(
@@ -105,10 +101,8 @@ class Interrupt:
         return 130 if self.agreed == signal.SIGINT else 143
 
     def poll(self) -> bool:
-        """Return whether to stop now, because of a signal to any rank or the deadline. Collective.
-
-        If so, `agreed` becomes the largest number of a signal on any rank; a deadline counts as
-        SIGTERM.
+        """Return whether to stop, and set `agreed` to the largest signal of any rank; a deadline
+        counts as SIGTERM. Collective.
         """
         late = signal.SIGTERM if self._late else 0
         number = int(self.comm.max([self.signal or late])[0])
@@ -117,10 +111,8 @@ class Interrupt:
         return bool(number)
 
     def require_time(self) -> None:
-        """Raise SceneError on all ranks if the deadline of any of them has passed. Collective.
-
-        For before the first load: resuming a run whose start-up takes longer than the deadline
-        would end in the same way again and again.
+        """Raise SceneError if any rank's deadline is over: a start-up that takes longer would never
+        get further on resuming. Collective.
         """
         seconds = self.comm.max([self._late and time.monotonic() - self.begun])[0]
         if seconds:

@@ -21,10 +21,7 @@ LAUNCHERS = (*TERMINAL_LAUNCHERS, "orted", "prted", "prun", "hydra", "slurmstep"
 
 
 def launched() -> tuple[bool, int | None]:
-    """Return whether an MPI launcher started this process, and how many processes (None: not told).
-
-    HPC_GFMD_LAUNCHER overrides the rest.
-    """
+    """Return whether an MPI launcher started this process, and how many it started (or None)."""
     setting = os.environ.get(LAUNCHER)
     if setting == "none":
         return False, None
@@ -75,9 +72,7 @@ def environment_number(*names: str) -> int | None:
 
 
 def ancestors(proc: Path = PROC) -> Iterator[tuple[Path, str]]:
-    """Yield (folder in /proc, name) of the parent of this process, its parent and so on, without
-    process 1; ends early where /proc cannot be read.
-    """
+    """Yield (folder in /proc, name) of parent, grandparent, ... without process 1."""
     pid = os.getppid()
     try:
         while pid > 1:
@@ -90,10 +85,8 @@ def ancestors(proc: Path = PROC) -> Iterator[tuple[Path, str]]:
 
 
 def enclosing_mpi_program(proc: Path = PROC) -> str | None:
-    """Return the command line of the MPI program, such as an optimiser under mpirun, that started
-    this process without a launcher, or None.
-
-    This process then has the variables of that rank, and MPI aborts if a second process uses them.
+    """Return the MPI program, as an optimiser, that started this process without a launcher, or
+    None: with its rank's variables MPI would abort in a second process.
     """
     try:
         for folder, name in ancestors(proc):
@@ -108,10 +101,7 @@ def enclosing_mpi_program(proc: Path = PROC) -> str | None:
 
 
 def launcher_is_watched(proc: Path = PROC) -> bool:
-    """Return whether the mpirun that started this process writes its errors to a terminal.
-
-    Standard error of this process itself is a pipe to mpirun.
-    """
+    """Return whether mpirun writes its errors to a terminal; this process has a pipe to it."""
     for folder, name in ancestors(proc):
         if name.startswith(TERMINAL_LAUNCHERS):
             try:

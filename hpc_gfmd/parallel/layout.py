@@ -1,5 +1,4 @@
-"""The rows of a field and the columns of its spectrum that each rank has, and what ranks have to
-send each other: for fft.py."""
+"""Rows and columns of each rank, and what ranks have to send each other: for fft.py."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -23,9 +22,9 @@ def row_starts(n_x: int, size: int) -> np.ndarray:
 class Layout:
     """The rows of a field and the columns of its half spectrum that each rank has; sends nothing.
 
-    `node_ranks` share memory with this one, itself among them; `far` ranks do not. A rank has n_loc
-    rows and K blocks of columns, of which block k size + r belongs to rank r; `edges` are the first
-    columns of all blocks, and n_c; W is the widest block. R rows are transformed at a time.
+    `node_ranks` share memory with this one, itself among them; `far` do not. A rank has n_loc rows
+    and K blocks of columns; block k size + r is rank r's. `edges`: first columns of all blocks, and
+    n_c; W: the widest block; R rows are transformed at a time.
     """
 
     def __init__(
@@ -53,11 +52,9 @@ class Layout:
         self.far[self.node_ranks] = False
 
     def _edges(self) -> np.ndarray:
-        """Choose blocks of columns that fit the cache: return their first columns, and n_c.
-
-        All ranks have the same number of blocks, whose widths differ by one column at most, the
-        wider ones last, so that all others begin on cache lines. A single rank needs no such
-        balance: its blocks are whole cache lines wide.
+        """Return the first columns of blocks that fit the cache, and n_c. Ranks have as many
+        blocks, one column wider at most, the wider last so that others begin on cache lines; one
+        rank has whole cache lines.
         """
         wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
         if self.size > 1:
@@ -90,9 +87,7 @@ class Layout:
 
     @cached_property
     def widths(self) -> list[int]:
-        """The numbers of columns for which transforms are planned, ascending; a block of another
-        width uses the plan for the next larger number.
-        """
+        """Numbers of columns that have plans, ascending; a block uses the next larger one."""
         if self.size == 1:
             return [self.W]
         return np.unique(self.block_widths[self.block_widths > 0]).tolist()
@@ -109,20 +104,14 @@ class Layout:
         return self.n_loc * self.n_c * self.itemsize
 
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the bytes that this rank sends to every rank in the all-to-all number k, and where
-        they begin, from the first block of number k.
-
-        0 bytes for ranks of this node.
-        """
+        """Return the bytes to every rank (0 on this node) in all-to-all k, and their offsets."""
         first_columns = self.edges[k * self.size : (k + 1) * self.size]
         column_bytes = self.n_loc * self.itemsize
         sizes = self.far * self.block_widths[k] * column_bytes
         return sizes, (first_columns - first_columns[0]) * column_bytes
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the bytes that this rank receives from every rank in all-to-all number k, and
-        where they begin in the memory that receives them.
-        """
+        """Return the bytes from every rank in all-to-all k, and their offsets."""
         row_bytes = self.block_widths[k, self.rank] * self.itemsize
         return self.far * np.diff(self.starts) * row_bytes, self.starts[:-1] * row_bytes
 

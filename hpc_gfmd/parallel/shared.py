@@ -1,9 +1,7 @@
-"""Memory that the ranks of a node share: each reads and writes the parts of the others as its own,
-without a message.
+"""Memory that the ranks of a node share, each reading and writing the parts of others directly.
 
-It is a file without a name (memfd) that all of them map: it needs no room in /dev/shm and is gone
-with the last process that maps it, however that ends. MPI's own shared windows have to be freed by
-all ranks together, which objects that Python frees cannot promise.
+It is a file without a name (memfd): needs no room in /dev/shm and goes with the last process. MPI's
+windows would have to be freed by all ranks together, which Python's objects cannot promise.
 """
 
 import mmap
@@ -16,12 +14,8 @@ PAGE = mmap.PAGESIZE
 
 
 def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Make memory that all ranks of a communicator share: return its bytes, zero at first, and
-    where those of each rank begin.
-
-    It is freed with the last array that refers to it; ranks that read what others write have to
-    synchronise themselves. Raises OSError on all ranks if they cannot share memory, as on several
-    machines. Collective.
+    """Return the bytes, zeros, of memory that all ranks share, and where each rank's begin.
+    Collective. Ranks synchronise themselves; OSError on all if they cannot share.
     """
     offsets = np.concatenate([[0], np.cumsum(-(-np.array(comm.allgather(nbytes)) // PAGE) * PAGE)])
     total = max(int(offsets[-1]), PAGE)

@@ -12,11 +12,8 @@ THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a q
 
 
 def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
-    """Choose the number of threads of each rank for a surface of some points. Collective.
-
-    "auto": what Slurm was asked for (--cpus-per-task), but not more than the cores of this process,
-    else `auto_threads`. Raises SceneError on all ranks if more than THREADS_PER_CORE are wanted per
-    core of a machine.
+    """Return the threads of each rank; "auto": Slurm's --cpus-per-task up to the cores of this
+    process, else `auto_threads`. Collective; SceneError above THREADS_PER_CORE a core.
     """
     if wanted != "auto":
         wanted = int(wanted)

@@ -1,7 +1,5 @@
-"""Work on all threads of a rank: the one way in which a pass over a field is shared out.
-
-What is worked on comes in pieces that do not depend on the number of threads, and results come in
-the order of the pieces: so no number does either.
+"""Work on all threads of a rank; pieces and the order of results do not depend on the number of
+threads, and so no number does.
 """
 
 import os
@@ -27,10 +25,8 @@ def piece_rows(n_y: int) -> int:
 
 @lru_cache(maxsize=256)
 def pieces_of(rows: int, n_y: int) -> tuple[tuple[int, int], ...]:
-    """Cut rows of n_y points into pieces (start, stop) of nearly the same size, in order.
-
-    The last one is cut again into shorter ones; each has at least PIECE_ROWS rows, or all. They do
-    not depend on the number of threads.
+    """Cut rows of n_y points into nearly equal pieces of at least PIECE_ROWS, the last cut finer;
+    independent of the number of threads.
     """
     count = max(1, rows // piece_rows(n_y))
     ends = [rows * k // count for k in range(count)]
@@ -48,10 +44,8 @@ def threads_for(points: int, threads: int, points_each: int = THREAD_POINTS) -> 
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
-    """Cut range(count) into parts (start, stop), each for one compiled call on a thread.
-
-    On several threads large parts come first and small ones last: a thread that begins late leaves
-    the others little to wait for.
+    """Cut range(count) into parts for compiled calls: large ones first, small ones last, so that a
+    thread that begins late is not waited for.
     """
     ends = [0]
     while ends[-1] < count:
@@ -62,11 +56,8 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
 
 
 class Shares:
-    """A range in parts that threads take by themselves, in compiled calls that run at once; for one
-    pass.
-
-    `parts` (parts, 2) are those of `shares`; `turns` is the number of the next one, which threads
-    raise (kernels/atomic.py: add).
+    """A range in `parts` (parts, 2) that threads take by themselves in compiled calls, for one
+    pass; `turns` is the next one (kernels/atomic.py: add).
     """
 
     def __init__(self, count: int, threads: int):
@@ -75,10 +66,8 @@ class Shares:
         self._threads = min(threads, len(self.parts))
 
     def on_threads(self, work: Callable[[Any], Any], scratch: Sequence[Any]) -> None:
-        """Call work(scratch[thread]) on as many threads as can get a part, at the same time.
-
-        `work` takes parts by `turns` until none is left. A thread that is free early may make the
-        call of another one, which then finds none.
+        """Call work(scratch[thread]) on threads at once; they take parts by `turns` until all are
+        done.
         """
         on_threads(self._threads, work, [()] * self._threads, scratch)
 
@@ -95,12 +84,9 @@ def on_threads(
     pieces: Iterable[tuple],
     scratch: Sequence[Any] | None = None,
 ) -> list[T]:
-    """Call work(*piece), or work(*piece, scratch[thread]), for every piece on whichever thread is
-    free.
-
-    Threads run at the same time only while `work` has left Python. An exception of `work` is raised
-    once all threads have ended; the others go on with the pieces that are left. Returns what work
-    returned, in the order of the pieces.
+    """Call work(*piece), or work(*piece, scratch[thread]), on whichever thread is free; return
+    results in order. Parallel only while outside Python; an exception is raised once all threads
+    have ended.
     """
     pieces = list(pieces)
     if threads == 1 or len(pieces) == 1:  # of small grids what follows takes longer than the work
@@ -157,11 +143,7 @@ class _Helper:
             self._begun.release()
 
     def end(self) -> None:
-        """Wait until the work has ended, or withdraw it if the thread has not woken up yet.
-
-        `on_threads` calls this when no pieces are left or its own thread has failed. An error of
-        work that was done is in `error` then. Returns at once if Ctrl-C came before the work began.
-        """
+        """Wait for the work, or withdraw it if the thread still sleeps; its error is in `error`."""
         try:
             self._work.pop()
         except IndexError:

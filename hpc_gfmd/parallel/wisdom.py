@@ -1,9 +1,8 @@
-"""FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks.
+"""FFTW's measured plans ("wisdom"): kept from run to run, the same on all ranks.
 
-The same plan rounds in the same way, and planning by measurement takes seconds: so rank 0 plans,
-with what the user's cache knows, and the others take over its wisdom. There is one file for each
-library, kind of machine and precision, of bounded size. No process waits for another: of what two
-runs measure at the same moment one may be lost.
+Equal plans round equally, and planning takes seconds: rank 0 plans with the user's cache and others
+take over its wisdom. One file of bounded size for each library, kind of machine and precision; no
+process waits, so of two runs that measure at once one may be lost.
 """
 
 from __future__ import annotations
@@ -32,10 +31,8 @@ LIMIT = 2**20  # bytes beyond which all is forgotten, and the file begun anew
 
 
 def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashable) -> T:
-    """Return make(), which makes plans by measurement, the same ones on all ranks. Collective.
-
-    If a single process has made plans with these `shapes` before, the cache is not looked at:
-    writing out all that FFTW knows takes longer than making a plan that is known.
+    """Return make(), which plans by measurement, the same on all ranks. Collective. One process
+    skips the cache for `shapes` it has made: writing all out takes longer than a known plan.
     """
     wisdom = _wisdom(np.dtype(dtype).name)
     if comm.size == 1:
@@ -65,10 +62,8 @@ def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
 
 
 class _Wisdom:
-    """The wisdom of this process in one precision ("float32" or "float64"), which FFTW holds.
-
-    `made`: shapes of the plans that were made. `version`: hash of the wisdom that rank 0 has sent;
-    None if other wisdom has come in since.
+    """This process's wisdom in one precision; `made`: shapes planned; `version`: hash of what rank
+    0 sent, None if more came in.
     """
 
     def __init__(self, name: str):

@@ -83,10 +83,7 @@ def _launched_world() -> Comm:
 
 
 def load_mpi() -> Any:
-    """Import and return mpi4py.MPI, which starts MPI.
-
-    Raises GfmdError if mpi4py is missing, or does not find the MPI library it was built for.
-    """
+    """Import mpi4py.MPI, which starts MPI; GfmdError if it is missing or finds another library."""
     try:
         import mpi4py
     except ImportError as error:
@@ -107,11 +104,9 @@ def load_mpi() -> Any:
 def collective_exit(
     exit_code: int, seconds: float = 10.0, say: Callable[[], object] | None = None
 ) -> None:
-    """Wait until all ranks are about to leave with an error, then return.
-
-    mpirun kills the others, silently, as soon as one has left. Rank 0 calls `say`, which prints the
-    error, at once; another rank only if it is left alone with its error for `seconds`. It then ends
-    the job with `exit_code` by MPI's Abort.
+    """Wait until all ranks are about to leave with an error: mpirun kills others silently once one
+    leaves. Rank 0 calls `say` at once; another one only if alone for `seconds`, and then aborts the
+    job.
     """
     say = say or (lambda: None)
     if launcher_rank() == 0:
@@ -128,10 +123,7 @@ def collective_exit(
 
 
 def comm_of(argument: Any) -> Comm:
-    """Return the Comm for an mpi4py communicator, a Comm as it is, or for None this process alone.
-
-    Raises SceneError for anything else.
-    """
+    """Return the Comm of an mpi4py communicator, a Comm as it is, or None: this process alone."""
     if argument is None or isinstance(argument, SerialComm | MpiComm):
         return argument or SerialComm()
     if not hasattr(argument, "Allreduce"):

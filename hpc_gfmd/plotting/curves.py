@@ -19,9 +19,7 @@ SAME_LOAD = 1e-6  # relative
 
 
 class PlottedQuantity(NamedTuple):
-    """A number of a load as a panel shows it: in words, in TeX, and its unit, a product of powers
-    of "pressure", "gap" (measured like heights) and "length".
-    """
+    """A number of a load: in words, in TeX, and its unit of "pressure", "gap" and "length"."""
 
     name: str
     symbol: str = ""
@@ -59,11 +57,7 @@ OVERVIEW = ("a_r", "kappa", "gap_mean", "approach")
 
 
 def curves(views: Sequence[View], names: list[str]) -> Page:
-    """Return a page with a panel for each number of a load, of one result or of several together.
-
-    kappa is left out against time and if p* has no meaning for one of the surfaces, unless it is
-    the only name.
-    """
+    """Return a page with a panel for each number; kappa is left out where it has no meaning."""
     units = {
         tuple(view.units.of(kind, [1.0]).name for kind in ("pressure", "gap")) for view in views
     }
@@ -84,10 +78,7 @@ def quantity_of(key: str) -> PlottedQuantity:
 
 
 def _scales(quantity: PlottedQuantity, views: Sequence[View], key: str) -> list[tuple[Scale, int]]:
-    """Return (scale, power) of each factor of the unit of a number, so that they suit all results.
-
-    A unit of one factor suits the values, those of several factors what is typical of each.
-    """
+    """Return (scale, power) of each factor of a unit, which suit all results."""
     values = [step.get(key) for view in views for step in view.result.steps]
     positive = [float(value) for value in values if value is not None and good(value)]
     surface = views[0].result.surface
@@ -113,10 +104,7 @@ def _axis_label(quantity: PlottedQuantity, scales: list[tuple[Scale, int]]) -> s
 
 
 class LoadAxis(NamedTuple):
-    """The axis of the loads: numbers `key` of load steps over `unit`.
-
-    `pressure` is the mean pressure, in the unit of the result, at 1 on the axis; nan for times.
-    """
+    """The axis of the loads, `key` over `unit`; `pressure`: the mean pressure at 1, or nan."""
 
     key: str
     unit: float
@@ -134,8 +122,7 @@ class LoadAxis(NamedTuple):
 
 
 def _load_axis(views: Sequence[View]) -> LoadAxis:
-    """Return the axis of times if every load has one, of forces if every load prescribes one, in N,
-    otherwise of mean pressures."""
+    """Return the axis of times, or forces in N, if every load has one, else mean pressures."""
     steps = [step for view in views for step in view.result.steps]
     units = views[0].units
     if all("time" in step for step in steps):
@@ -154,11 +141,8 @@ def _load_axis(views: Sequence[View]) -> LoadAxis:
 
 
 def _curve(ax: Any, views: Sequence[View], key: str, label: str) -> None:
-    """Draw one number over the load on axes, with theory, pull-off and loads without an open
-    channel.
-
-    label: of a single result in the legend. Up to MOST_NAMED results are drawn one by one, more by
-    their mean and scatter.
+    """Draw a number over the load with theory, pull-off and closed channels; above MOST_NAMED
+    results by mean and scatter.
     """
     quantity = quantity_of(key)
     loads = _load_axis(views)
@@ -205,12 +189,7 @@ def _time_axis(ax: Any, times: list[float]) -> None:
 def _points(
     ax: Any, view: View, key: str, loads: LoadAxis, unit: float, how: dict[str, Any]
 ) -> None:
-    """Draw the number `key` of every load of one result, in `unit`, with error bars of solver and
-    grid.
-
-    Loads that did not converge get other marks; those that cannot be shown (`_is_shown`) are left
-    out. Points are joined by lines if the surfaces attract, or the loads have a memory.
-    """
+    """Draw a number of each load with error bars, joined by lines if loads have a memory."""
     for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [
             step
@@ -246,10 +225,7 @@ def _is_shown(key: str, step: Mapping[str, Any]) -> bool:
 def _mean_and_scatter(
     ax: Any, views: Sequence[View], key: str, loads: LoadAxis, unit: float
 ) -> None:
-    """Draw the mean of many results on axes, with a band of one standard deviation.
-
-    If the results differ in their loads, all are drawn as points of one colour instead.
-    """
+    """Draw mean and standard deviation of results; as points of one colour if loads differ."""
     rows = [
         [(loads.of(step), step[key] / unit) for step in view.result.steps if _is_shown(key, step)]
         for view in views
@@ -284,9 +260,7 @@ def _mean_and_scatter(
 
 
 def _tight(ax: Any, views: Sequence[View], key: str, loads: LoadAxis) -> None:
-    """Shade the loads from which on no result has an open channel: a critical gap of 0 would not
-    show on a logarithmic axis. The right limit of the axis stays.
-    """
+    """Shade loads without an open channel in any result: 0 would not show on a logarithmic axis."""
     steps = sorted((step for view in views for step in view.result.steps), key=loads.of)
     open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]
     tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
@@ -297,10 +271,7 @@ def _tight(ax: Any, views: Sequence[View], key: str, loads: LoadAxis) -> None:
 
 
 def _theory(ax: Any, view: View, key: str, loads: LoadAxis, unit: float, line_colour: Any) -> None:
-    """Draw the theory of a result's surface, if there is one and all loads are > 0.
-
-    line_colour: None takes the colour of a single theory.
-    """
+    """Draw the theory of a result's surface, if there is one and all loads are > 0."""
     if not (view.theory and key in view.theory.curves):
         return
     loads_of_steps = [loads.of(step) for step in view.result.steps]
@@ -320,11 +291,7 @@ def _pull_off(ax: Any, view: View, loads: LoadAxis, line_colour: Any) -> None:
 
 
 def _limits(ax: Any, all_loads: list[float], pushed: bool) -> None:
-    """Set the limits of axes around what has been drawn, or all_loads if nothing has.
-
-    The y axis becomes logarithmic if positive values span more than a decade. pushed: whether all
-    loads are above 0 and the x axis is logarithmic.
-    """
+    """Set the limits around what is drawn, else all_loads; y is logarithmic beyond a decade."""
     left, low, right, high = ax.dataLim.extents
     if left > right:
         left, low, right, high = min(all_loads), 0.0, max(all_loads), 1.0

@@ -41,10 +41,7 @@ YIELD_ROUNDING = 1e-5  # relative, of a pressure that is the hardness, in single
 
 
 def maps(views: Sequence[View], names: list[str]) -> Page:
-    """Return a page with a row for each load of the first result and a column for each field.
-
-    A single field has two columns of loads instead. Fields are read when the page is drawn.
-    """
+    """Return a page with a row for each load and a column for each field, read when drawn."""
     view = views[0]
     loads = range(len(view.result.steps))
     columns = min(2, len(loads)) if len(names) == 1 else len(names)
@@ -80,10 +77,7 @@ def height_map(
     window: Any = None,
     dpi: float | None = None,
 ) -> Picture:
-    """Draw a map of heights (n_x, n_y), peaks up, of a cell of `sizes`, both in `unit` ("m" or "").
-
-    window, dpi: as for `plot`. Raises SceneError if the window is not a part of the cell.
-    """
+    """Draw a map of heights (n_x, n_y), peaks up, of a cell of `sizes`, both in `unit`."""
     n = heights.shape
     h_rms = float(heights.std())
     surface = {"n": list(n), "physical_sizes": list(sizes), "h_rms": h_rms, "unit": unit}
@@ -206,12 +200,8 @@ def _field(
 
 
 class Reduced(NamedTuple):
-    """Fields of a load step, reduced to pixels.
-
-    `means` are over the points of each pixel, of the pressure over those that touch (0 if none do).
-    Besides the fields, "contact" is the share of points that touch, if pressure or gap are known,
-    and "yielded" that of the touching points whose pressure is the hardness. `largest` is the
-    largest value of a point, by field.
+    """Fields of a load step, reduced to pixels: `means` over points, of pressure over those that
+    touch (else 0); shares "contact" and "yielded"; `largest` value of a point, by field.
     """
 
     means: dict[str, np.ndarray]
@@ -221,10 +211,7 @@ class Reduced(NamedTuple):
 def reduce_fields(
     fields: dict, pixels: int, window: tuple | None = None, hardness: float | None = None
 ) -> Reduced:
-    """Reduce the fields of one load step to at most `pixels` along each axis, a few rows at a time.
-
-    window: points (i0, i1, j0, j1). hardness: in the unit of the pressure.
-    """
+    """Reduce fields of a step to at most `pixels` along each axis, a few rows at a time."""
     shape = next(iter(fields.values())).shape
     i0, i1, j0, j1 = window or (0, shape[0], 0, shape[1])
     f_x, f_y = (max(1, -(-n // pixels)) for n in (i1 - i0, j1 - j0))
@@ -245,10 +232,8 @@ def reduce_fields(
 
 
 def slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:
-    """Yield {field: its rows of a slab, float64} for the rows i0 <= i < i1, slab by slab.
-
-    Slabs have a multiple of `multiple` rows, but for the last one. "contact", where points touch,
-    is added if gap or pressure are there.
+    """Yield {field: rows, float64} slab by slab, with a multiple of `multiple` rows but the last;
+    "contact" is added.
     """
     shape = next(iter(fields.values())).shape
     rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple

@@ -25,11 +25,7 @@ SUFFIXES = (".png", ".pdf", ".svg")
 
 
 class Kind(NamedTuple):
-    """How a picture is made, and the numbers and fields of each of its panels, of which a load step
-    needs one.
-
-    Curves are over all loads, and of several results together.
-    """
+    """How a picture is made, and numbers and fields of its panels, of which a step needs one."""
 
     page: Callable[[Sequence[View], list[str]], Page]
     panels: Mapping[str, tuple[str, ...]]
@@ -211,11 +207,8 @@ def _result(solution_or_path: Any) -> Result:
 
 
 def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
-    """Draw several pictures of a result, each as a new figure, and return them by name.
-
-    what: names; by default of maps, distributions, spectra and curves those that the result has;
-    with a window maps only; curves of a single load only if there is nothing else. how: as for
-    `plot`, whose errors it raises.
+    """Draw several pictures of a result as new figures by name; default: of maps, distributions,
+    spectra and curves what it has, maps only with a window.
     """
     result = _result(result)
     if not result.steps:
@@ -232,13 +225,8 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
 
 
 def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> list[Path]:
-    """Draw pictures of a result, as `figures` does, save them, replacing existing files, and return
-    their paths.
-
-    where: a folder, created if its parent exists, or a file .png, .pdf or .svg (if there are
-    several pictures each gets its name appended). Default: RESULT.png beside the result,
-    RESULT_NAME.png if there are several; contact.png in the working directory if the result is in
-    memory.
+    """Draw pictures, save them and return their paths. where: a folder, made if its parent exists,
+    or a file, with names appended for several; default: RESULT.png beside the result.
     """
     result = _result(file)
     where = Path(where or (result.path or Path("contact")).with_suffix(".png"))
@@ -250,11 +238,7 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 def save_picture(
     fig: Picture, where: Path, name: str, several: bool = False, dpi: float | None = None
 ) -> Path:
-    """Save a picture as `where`, a .png, .pdf or .svg, or as NAME.png in the folder `where`, which
-    is made if its parent exists.
-
-    several: append _NAME to the name of the file.
-    """
+    """Save a picture as `where` (.png, .pdf or .svg), or as NAME.png in the folder `where`."""
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where
     try:
@@ -272,10 +256,8 @@ def save_picture(
 
 
 def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
-    """Return the indices in result.steps that a picture shows, of those that have what it shows.
-
-    step: numbers of load steps, or None: all for curves, the first for "heights", otherwise at most
-    four.
+    """Return the indices of steps a picture shows; default: all for curves, the first for
+    "heights", else at most four.
     """
     kind = kind_of(what)
     able = _steps(result, kind.panels)

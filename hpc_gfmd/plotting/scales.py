@@ -27,11 +27,7 @@ def tex_number(x: float, form: str = ".3g") -> str:
 
 @dataclass(frozen=True)
 class Scale:
-    """A unit by which numbers are divided, and how axes name it.
-
-    name: an absolute unit, such as "MPa", or if `relative` a formula, such as "E^* g"; "" without a
-    unit.
-    """
+    """A unit that divides numbers, and its name: "MPa", if `relative` as "E^* g", or ""."""
 
     unit: float = 1.0
     name: str = ""
@@ -66,10 +62,8 @@ def label(symbol: str, *scales: tuple[Scale, int]) -> str:
 
 
 class Units:
-    """The scales of a result: units with SI prefixes if it has units, otherwise relative ones.
-
-    `height` is the scale of heights without a unit (default: h_rms). `rough` tells whether p* has a
-    meaning, so that pressures scale with E* g_rms.
+    """The scales of a result, with SI prefixes, else relative; `height`: of heights (h_rms);
+    `rough`: p* has a meaning, so pressures scale with E* g_rms.
     """
 
     def __init__(
@@ -100,11 +94,7 @@ class Units:
         }
 
     def of(self, name: str, values: Iterable[Any]) -> Scale:
-        """Return the scale of "length" (positions), "pressure", "force"; other names are heights.
-
-        The values, in the unit of the result, decide the prefix. Without a unit and a relative
-        scale it is 1.
-        """
+        """Return the scale of "length", "pressure", "force" or heights, prefixed for the values."""
         unit, relative = self._scales.get(name, self._scales["height"])
         if unit:
             factor, name = prefixed(values, unit)

@@ -28,10 +28,7 @@ ROUNDING = 1e-12  # relative, of a power
 
 
 def distributions(views: Sequence[View], names: list[str]) -> Page:
-    """Return a page with a panel for each distribution of the first result.
-
-    What the result file has not is made from the fields, which are read when it is drawn.
-    """
+    """Return a page of the first result's distributions, made from fields where it has none."""
     return Page([partial(_distribution, view=views[0], name=name) for name in names])
 
 
@@ -84,10 +81,7 @@ def _distribution(ax: Any, view: View, name: str) -> None:
 
 
 def _theory(ax: Any, view: View, densities: list[Any], unit: float) -> None:
-    """Draw the density that the theory, if any, gives for each load (index, edges, values).
-
-    unit: of the axis, in the unit of the result.
-    """
+    """Draw the theory's density for each load (index, edges, values); unit: of the axis."""
     theory = view.theory
     if not (theory and theory.density):
         return
@@ -99,10 +93,8 @@ def _theory(ax: Any, view: View, densities: list[Any], unit: float) -> None:
 
 
 def _shares(result: Result, name: str) -> Iterator[Any]:
-    """Yield (index of the load, edges, shares) of every load step that has this distribution.
-
-    Shares of the pressure add up to the area in contact, a_r, those of the gap to 1 - a_r, and
-    those of patches to 1. They come from the result file if it has them, otherwise from the fields.
+    """Yield (index, edges, shares) of steps, from the file or else fields; they add up to a_r
+    (pressure), 1 - a_r (gap), 1 (patches).
     """
     for k, (step, fields) in enumerate(zip(result.steps, result.fields)):
         if f"{name}_edges" in step:
@@ -122,9 +114,7 @@ def _shares(result: Result, name: str) -> Iterator[Any]:
 
 
 def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return (edges, density) of a histogram, joining bins until each has at least `fewest` times
-    the smallest share of a bin that is not empty. Empty bins at the ends are dropped.
-    """
+    """Return (edges, density), joining bins until each has `fewest` times the smallest share."""
     filled = np.flatnonzero(shares)
     stop = filled[-1] + 1
     chosen = [filled[0]]
@@ -138,10 +128,8 @@ def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndar
 
 
 def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return (edges, shares) of a histogram; shares are points in each bin over all points.
-
-    Of the pressure at points that touch, in even bins from 0; of the gap at all other points, in
-    logarithmic bins, the first of which reaches down to 0. The fields are read twice.
+    """Return (edges, shares of all points): pressure where it touches, in even bins from 0; gap
+    elsewhere, in logarithmic ones, the first from 0. Reads twice.
     """
     n_x, n_y = fields[name].shape
 
@@ -160,11 +148,7 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _lines(view: View, name: str, x: str, y: str) -> Iterator[Any]:
-    """Yield (x, y, keywords of plot) of a field for every load that has this distribution, heights
-    once.
-
-    x, y: endings of its keys in a load step.
-    """
+    """Yield (x, y, keywords) of a field a load, heights once; x, y: endings of its keys."""
     for k, step in enumerate(view.result.steps):
         if f"{name}_{x}" in step:
             of_heights = name == "heights"

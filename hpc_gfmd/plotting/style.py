@@ -105,9 +105,8 @@ def shade(x: float) -> Any:
 
 
 class LogTicks(LogLocator):
-    """Ticks of a logarithmic axis: decades, or 1 and 3 of each, or 1, 2 and 5, ...
-
-    The first of these that gives three labels, or two below 1e-3, where labels are long.
+    """Ticks of a logarithmic axis: decades, or 1, 3, or 1, 2, 5, ...: the first with three labels
+    (two below 1e-3, where they are long).
     """
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
@@ -144,11 +143,7 @@ def log_axis(ax: Any, which: str) -> None:
 
 @dataclass(frozen=True)
 class Page:
-    """Panels, each a function that draws on the axes it is given, and their arrangement.
-
-    Images keep their aspect and share their ticks. Sizes are in inches; `height` is that of a row.
-    Without a number of columns the number of panels decides.
-    """
+    """Panels, functions that draw on axes, and their arrangement (inches); images share ticks."""
 
     panels: Sequence[Callable[[Any], None]]
     columns: int | None = None

@@ -1,8 +1,5 @@
-"""Theories to draw beside results: Persson's for self-affine surfaces, Hertz' for spheres and
-cylinders, Westergaard's for waves.
-
-An argument `surface` is the [surface] of a scene; p is a mean pressure, x a local one, both in the
-unit of the result.
+"""Theories beside results: Persson's for self-affine surfaces, Hertz', Westergaard's. `surface` is
+a scene's [surface]; p is a mean and x a local pressure, in the unit of the result.
 """
 
 from collections.abc import Callable
@@ -29,12 +26,9 @@ PERSSON = (
 
 @dataclass(frozen=True)
 class Theory:
-    """A theory of a surface, in the units of the result.
-
-    `curves` are functions of the mean pressure by the names of the numbers that they predict;
-    density(x, p) is that of the local pressure x > 0 at the mean pressure p, and its integral over
-    x is the relative contact area. `height` is the scale of heights without a unit; None: h_rms.
-    `text` says the same as `name` without TeX.
+    """A theory in the units of the result. `curves`: functions of the mean pressure by number;
+    density(x, p), x > 0, integrates to a_r; `height`: scale of heights, None for h_rms; `text`:
+    without TeX.
     """
 
     name: str
@@ -49,10 +43,7 @@ ROUNDING = 1e-12  # share of the largest power below which a spectrum is roundin
 
 
 def theory_beside(result: Result, of_maps: bool) -> Theory | None:
-    """Return the theory of the surface of a result or None.
-
-    of_maps: for a measured, periodic map Persson's theory of its own slope and spectrum.
-    """
+    """Return the theory of a result's surface, or None; of_maps: also of measured maps."""
     scene = scene_of(result)
     theory = theory_of(scene, result.surface)
     if theory is None and of_maps:
@@ -81,10 +72,7 @@ def scene_of(result: Result) -> Scene | None:
 
 
 def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
-    """Return the theory of a surface with these attributes in the result.
-
-    None for measured surfaces, layers and adhesion, and if no theory covers these boundaries.
-    """
+    """Return the theory of a surface; None for measured ones, layers and adhesion."""
     if scene is None or scene.material.thickness is not None:
         return None
     if scene.material.adhesion is not None:  # these theories have none
@@ -113,10 +101,7 @@ def _areas(area: Callable, unit: float) -> dict[str, Callable]:
 
 
 def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
-    """Return Persson's theory of a self-affine surface; unit: E* g_rms.
-
-    The mean gap needs eps_f and h_rms of the surface in the result, `attributes`.
-    """
+    """Return Persson's theory of a self-affine surface with eps_f and h_rms; unit: E* g_rms."""
     name = "Persson"
     eps_f = attributes.get("eps_f")
     curves = _areas(lambda p: persson.contact_area(p / unit), unit)
@@ -142,10 +127,8 @@ def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
 def persson_of_map(
     scene: Scene, attributes: Any, spectrum: tuple[np.ndarray, np.ndarray] | None
 ) -> Theory | None:
-    """Return Persson's theory of a measured, periodic map: its own g_rms, and the gap of its own
-    spectrum (q, C), ascending.
-
-    None for layers, adhesion, a hardness and free edges; without a spectrum no gap curve.
+    """Return Persson's theory of a map's own g_rms and spectrum (q, C), ascending; None for layers,
+    adhesion, a hardness, free edges.
     """
     slope = attributes.get("g_rms")
     sizes = attributes.get("physical_sizes")
@@ -237,10 +220,7 @@ def _hertz_line(surface: Any, E_star: float) -> Theory | None:
 
 
 def _westergaard(surface: Any, E_star: float) -> Theory:
-    """Return Westergaard's theory of a wave along one axis.
-
-    For waves along both axes, or without height, it has no curves, only a scale of heights.
-    """
+    """Return Westergaard's theory of a wave along one axis, else a scale of heights alone."""
     height = Scale(abs(float(surface.amplitude)), "A", True)
     axis = 0 if surface.periods[0] else 1
     if surface.periods[1 - axis] or not height.unit:

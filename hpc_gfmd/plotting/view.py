@@ -13,12 +13,11 @@ from .theory import scene_of, theory_beside
 
 
 class View:
-    """Some load steps of a result, with the units, theory and window of a picture of them.
+    """Load steps of a result with units, theory and window of a picture of them.
 
-    result: with the chosen load steps only, of which `left_out` are not chosen; pull_off: the last
-    load step before the surfaces separate, chosen or not, or None; window: (x0, x1, y0, y1) in the
-    unit of the sizes, and points: the same (i0, i1, j0, j1), None for all; remembers: whether the
-    loads follow from each other; lengths: the Scale of positions within the window.
+    `left_out` steps are not chosen; pull_off: last step before separation, or None; window: (x0,
+    x1, y0, y1), points: (i0, i1, j0, j1), None for all; remembers: loads follow from each other;
+    lengths: the Scale of positions.
     """
 
     def __init__(
@@ -61,11 +60,7 @@ class View:
 
 
 def window_of(surface: Any, window: Any) -> tuple:
-    """Return a part of the cell at the edges of grid points, and its points (i0, i1, j0, j1), None
-    for all.
-
-    window: (x0, x1, y0, y1) in the unit of the sizes, or as texts such as "2um".
-    """
+    """Return a window at edges of grid points, and its points (i0, i1, j0, j1); None for all."""
     sizes = np.array(surface.get("physical_sizes", (1.0, 1.0)))
     n = np.array(surface["n"])
     if window is None:

@@ -1,3 +1,1 @@
-"""Runs: a scene with its files, a solve in memory, the solutions of both, and estimates of their
-cost.
-"""
+"""Runs: scenes with their files, solves in memory, their solutions, and estimates of the cost."""

@@ -15,10 +15,8 @@ ADVICE = "use more machines, fewer points or single precision"
 
 
 def require_memory(comm: Comm, scene: Scene, grid: Grid, threads: int) -> None:
-    """Raise SceneError on all ranks if a scene needs more memory than some machine has. Collective.
-
-    That is what a process may still take (ulimit -v), and machine.memory_gib of the scene or what
-    is free on the machine; needed is `memory_of` in the lowest possible precision.
+    """Raise SceneError on all ranks if a machine has, or its limits (ulimit -v, machine.memory_gib)
+    allow, less memory than the lowest possible precision needs. Collective.
     """
     single = memory_of(scene, grid.n, 4, comm.size, threads)
     double = memory_of(scene, grid.n, 8, comm.size, threads)

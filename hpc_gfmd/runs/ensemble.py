@@ -245,10 +245,8 @@ class Ensemble:
 
 
 def _solutions(result: Any, number: int) -> Solutions:
-    """Return the Solutions of one member of an ensemble, read from its file if it is a path.
-
-    `number` is its place, from 1, for messages. Raises SceneError if the result is an exception
-    (which `solve_many` yields for a surface that it could not solve), or as `load`.
+    """Return the Solutions of member `number` (from 1) of an ensemble, read from its file if it is
+    a path; SceneError if it is an exception.
     """
     if isinstance(result, Exception):
         raise SceneError(f"ensemble: result {number} is an error ({result}), allowed: solutions")

@@ -51,11 +51,8 @@ def _with_middles(key: str, numbers: Sequence[float], times: Sequence[float]) ->
 
 
 def changes_by_halving(scene: Scene, steps: Sequence[dict], comm: Comm) -> dict[str, float]:
-    """Return the largest changes of a_r, gap_mean and p, over the larger value, if the steps of a
-    history are halved.
-
-    Solves the halved history, and keeps no fields of it. steps: the solved loads of the history.
-    Collective.
+    """Return the largest relative changes of a_r, gap_mean and p if the steps of a history (its
+    solved loads) are halved. Collective.
     """
     halved = with_halved_steps(scene)
     surfaces = surfaces_of_scene(comm, halved)

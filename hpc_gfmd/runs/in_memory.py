@@ -58,10 +58,9 @@ _surfaces: WeakKeyDictionary[PreparedSurface, dict[bool, Kept]] = WeakKeyDiction
 def scene_of(
     comm: Comm, heights: Heights, keywords: dict[str, Any], more: dict[str, Any]
 ) -> tuple[Scene, np.ndarray | PreparedSurface]:
-    """Return the validated scene and heights that the arguments of `solve` describe. Collective.
-
-    `keywords` are its named arguments that are keys of a scene, `more` its others. Raises
-    SceneError on all ranks, also for different arguments on some ranks.
+    """Return the validated scene and heights for the arguments of `solve`: `keywords` its named
+    ones, `more` the others. SceneError on all ranks, also where they differ between ranks.
+    Collective.
     """
     with collective_errors(comm, "reading the arguments"):
         wall = heights
@@ -152,10 +151,8 @@ class Surfaces:
 def surfaces_of_scene(
     comm: Comm, scene: Scene, keep: bool = False, is_only_one: bool = True
 ) -> Surfaces:
-    """Return what makes the surface of a scene, from a formula or a file. Collective.
-
-    keep: the surface is made only once in each precision, and stays in memory; is_only_one: a file
-    stays open until the surface is made, else it is opened again.
+    """Return what makes the surface of a scene. Collective. keep: it is made once in each precision
+    and stays in memory; is_only_one: its file stays open until then.
     """
     topography: Topography | None = None  # of a file, on rank 0, until the first surface is made
 
@@ -231,10 +228,7 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
 
 @contextmanager
 def kernels_ready(comm: Comm, scene: Scene) -> Iterator[None]:
-    """Compile the kernels of a scene: on one of several ranks first, else as they are needed.
-
-    On one process a line on standard error tells so: nothing else explains the wait.
-    """
+    """Compile the kernels of a scene, on one rank first; one process says so on standard error."""
     if comm.size > 1:
         compile_once(comm, scene, partial(step_attributes, scene, 0, seconds=0.0))
         yield
@@ -251,12 +245,9 @@ def solve_loads(
     keep_interrupted: bool,
     pull_off_error: float | None = None,
 ) -> tuple[Solutions, dict[str, Any]]:
-    """Solve all loads of a scene, and keep those fields that it asks for; return them and the
-    attributes of the surface.
-
-    With `keep_interrupted` Ctrl-C after the first load ends the sweep early, on one process;
-    otherwise KeyboardInterrupt is raised. With `pull_off_error` further loads follow, see
-    `PullOff`. Collective.
+    """Solve all loads of a scene; return them, with the fields it asks for, and the attributes of
+    the surface. Collective. keep_interrupted: Ctrl-C after the first load ends the sweep, on one
+    process.
     """
     start_time = datetime.now(UTC).isoformat(timespec="seconds")
     begun = time.monotonic()

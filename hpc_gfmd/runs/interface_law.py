@@ -166,13 +166,9 @@ class _Curves:
     def _accepts(
         self, interval: tuple[float, float], middle: float, predicted: Mapping[str, float]
     ) -> bool:
-        """Whether an interval needs no further load, judged by the solved load in its middle.
-
-        True if all quantities deviate little enough from `predicted`, the values that the law had
-        there without this load, and none of them is 0 at one end of the interval and positive at
-        the other; always true for an interval that is shorter than `error` in the logarithm of the
-        pressure. A quantity without a value in the middle does not count. Sets `deviations`: inf
-        where only the load has a value, not the law.
+        """Whether all quantities of the load in the middle of an interval are near `predicted`, the
+        law without it, and none falls from positive to 0. Intervals shorter than `error` are
+        accepted. Sets `deviations`: inf where only the load has a value.
         """
         deviations = {}
         accepted = True
@@ -226,10 +222,8 @@ class _Curves:
         )
 
     def _errors(self, name: str, pressures: Sequence[float]) -> np.ndarray:
-        """Return the relative error of a quantity at each pressure, shape (pressures,).
-
-        It is the load's own plus that of the interpolation: the largest of the `deviations` of two
-        intervals on either side, at most 1, as one alone may be small by chance.
+        """Return the relative error of a quantity at each pressure: the load's own plus the largest
+        of the `deviations` of two intervals on either side, as one alone may be small by chance.
         """
         between = [self.deviations[interval].get(name, 0.0) for interval in pairwise(pressures)]
         return np.array(
@@ -248,9 +242,7 @@ def _mean(name: str, steps: Steps) -> float:
 
 
 def _scatter(name: str, steps: Steps) -> float:
-    """Return the sample standard deviation of a number over the surfaces at one load; 0 for a
-    single surface, nan if one has no value.
-    """
+    """Return the standard deviation over the surfaces at a load; 0 for one, nan if one lacks it."""
     values = [step.get(name) for step in steps]
     if None in values:
         return math.nan
@@ -258,18 +250,15 @@ def _scatter(name: str, steps: Steps) -> float:
 
 
 def _estimated_error(name: str, steps: Steps, of_grid: bool = True) -> float:
-    """Return the largest estimated relative error of a quantity over the surfaces at one load.
-
-    of_grid: whether it contains the error by the grid, which is nearly the same at near loads.
+    """Return the largest relative error of a quantity over the surfaces at one load, with or
+    without the error by the grid, which is nearly the same at near loads.
     """
     return max(_relative_error(name, step, of_grid) for step in steps)
 
 
 def _relative_error(name: str, step: Mapping[str, Any], of_grid: bool) -> float:
-    """Return the estimated relative error of a number of one load, by the solver and the grid.
-
-    A stiffness scales with the radii of the contact spots, so its relative error is half that of
-    their area; a critical gap has the absolute error of the mean gap.
+    """Return the relative error of a number by solver and grid. A stiffness scales with the radii
+    of the spots: half the error of a_r; a critical gap has the absolute error of the mean gap.
     """
     of_the_grid = float(step.get("a_r_discretisation") or 0.0) if of_grid else 0.0
     of_the_gap = float(step["gap_error"])

@@ -95,11 +95,8 @@ def _refuse(key: str) -> NoReturn:
 def scene_of_keywords(
     named: dict[str, Any], further: dict[str, Any], surface: PreparedSurface | None
 ) -> Scene:
-    """Return the validated scene that the arguments of `hpc_gfmd.solve` describe.
-
-    `named` are those in its signature, None if not given, `further` all others; `surface` is None
-    for an array. It is a Scene if the surface knows the table [surface] it is from, else an
-    ArrayScene.
+    """Return the validated scene for `named` (None if not given) and `further` arguments of
+    `hpc_gfmd.solve`: an ArrayScene unless the surface knows its table [surface].
     """
     require_keywords(named, further)
     if named.get("fields") is None:
@@ -127,8 +124,7 @@ def scene_of_keywords(
 
 
 def several_loads(arguments: dict[str, Any]) -> bool | None:
-    """Whether the loads (or their times) among the arguments of `hpc_gfmd.solve` are a list; None
-    without a load."""
+    """Whether the loads (or times) among the arguments of `solve` are a list; None without any."""
     values = [arguments.get(key) for key in (*LOADS, "time")]
     dimensions = [np.ndim(value) for value in values if value is not None]
     return any(dimensions) if dimensions else None

@@ -31,11 +31,8 @@ Pressures = Sequence[float | str]
 
 
 class Sampler:
-    """Solves all surfaces of a law at given pressures; arguments as of `interface_law`. Collective
-    for scenes.
-
-    After the first loads `surface` has the attributes of the first surface, and `gaps` the mean gap
-    of each when it just touches.
+    """Solves all surfaces of a law at given pressures; after the first loads it has `surface`
+    (attributes of the first one) and `gaps` (mean gap of each at touch). Collective for scenes.
     """
 
     def __init__(
@@ -130,11 +127,7 @@ class Sampler:
         return -total / (surface.n[0] * surface.n[1])
 
     def facts(self) -> dict[str, Any]:
-        """Return what the law tells of its surfaces, after the first loads were solved.
-
-        "surface" (attributes of the first one), "pressure_unit", "gap_at_touch" (mean over the
-        surfaces) and "about" (lines of text, first a title if a scene has one).
-        """
+        """Return what the result of a law says of its surfaces, once the first loads are solved."""
         titles = [scene.title for scene, _ in self.members if scene.title]
         return {
             "surface": self.surface,
@@ -158,10 +151,7 @@ def _has_scenes(surfaces: Sequence[Any], keys: Mapping[str, Any]) -> bool:
 
 
 def _of_interface(step: dict[str, Any], E_star: float) -> dict[str, Any]:
-    """Return the attributes of a load with the conductance of an interface: stiffness/E_star.
-
-    That of a body with free edges is smaller: it contains the spreading resistance of the body.
-    """
+    """Return a load with the conductance stiffness/E_star: no spreading resistance of the body."""
     stiffness = step.get("stiffness")
     if step.get("conductance") is None or stiffness is None:
         return step
@@ -169,10 +159,7 @@ def _of_interface(step: dict[str, Any], E_star: float) -> dict[str, Any]:
 
 
 def _realisations(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
-    """Return copies of a scene with the seeds seed, seed + 1, ...; for 1 only the scene itself.
-
-    Raises SceneError for less, and for more of a surface without a seed.
-    """
+    """Return copies of a scene with the seeds seed, seed + 1, ...; for 1 only the scene itself."""
     original = scene if isinstance(scene, Scene) else load_scene(scene, needs_load=False)
     if realisations == 1:
         return [original]

@@ -1,6 +1,4 @@
-"""From a scene to its solved loads and their attributes, for runs with files and for solves in
-memory.
-"""
+"""From a scene to its solved loads and their attributes."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -85,11 +83,7 @@ def check(scene: Scene) -> None:
 
 
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
-    """Return the sweep of a scene, with its surface in a first precision. Collective.
-
-    It calls make_surface(dtype) again if a load needs another precision. Raises SceneError if a
-    load or a length has a unit and the height map has none, or vice versa.
-    """
+    """Return the sweep of a scene, whose surface make_surface(dtype) makes. Collective."""
     model = ContactModel(
         float(scene.material.E_star),
         body_of(scene.material, scene.surface.free),
@@ -114,9 +108,7 @@ def history_of(scene: Scene, sweep: Sweep) -> History | None:
 
 
 def _require_consistent_units(scene: Scene, surface: Surface) -> None:
-    """Raise SceneError if a length or force has a unit and the file of a map none, or vice
-    versa.
-    """
+    """Raise SceneError if a length or force has a unit and the map has none, or the reverse."""
     lengths_and_forces = {
         "material.thickness": (scene.material.thickness, "2 um"),
         "load.gap_mean": (scene.load.gap_mean, "50 nm"),
@@ -145,10 +137,7 @@ def _require_consistent_units(scene: Scene, surface: Surface) -> None:
 
 
 def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
-    """Return the attributes of a surface, by the names of the result file.
-
-    What it does not have is nan, -1 for the seed, or left out if it is a text.
-    """
+    """Return the attributes of a surface by their names in the file; nan (seed: -1) if unknown."""
     spec = scene.surface
     attributes = {
         "n": list(surface.n),
@@ -189,11 +178,8 @@ UnfinishedOf = Callable[[int], tuple[Unfinished, float] | None]  # state of a lo
 
 
 class Run:
-    """The loads of a scene on its surface, which make_surface(dtype) makes. Collective.
-
-    `sweep` solves one load after another: `history` where loads leave a memory, which is None
-    elsewhere. `loads` are all of the scene; `attributes` those of the surface, by the names of the
-    result file.
+    """The loads of a scene on its surface, which make_surface(dtype) makes; `history` is None
+    unless loads leave a memory, `attributes` are those of the surface. Collective.
     """
 
     def __init__(
@@ -249,9 +235,7 @@ class Run:
             del unfinished  # its fields make room for the next load
 
     def solve_further(self, pressure: float, gap: np.ndarray) -> SolvedLoad:
-        """Solve one more load, from a gap (local slab, program's unit), and add it to `loads` and
-        to the scene, which prescribes pressures, forces or p*.
-        """
+        """Solve one more load from a gap (local slab, program's unit) and add it to `loads`."""
         _, values = self.scene.load.prescribed
         E_star = float(self.scene.material.E_star)
         area = float(np.prod(self.surface.sizes))
@@ -321,11 +305,7 @@ def _target(load: LoadTable, index: int) -> dict[str, float]:
 
 
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
-    """Return the attributes of a solved load, by the names of the result file. Collective.
-
-    They contain the default observables, and the observables and distributions that the scene
-    requests; an observable without a value is None.
-    """
+    """Return the attributes of a load by their names in the file; None if unknown. Collective."""
     observables = observables_named([*default_observables(), *(scene.output.observables or ())])
     numbers = {name: observable(contact) for name, observable in observables.items()}
     for name, distribution in all_distributions().items():

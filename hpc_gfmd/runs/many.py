@@ -26,8 +26,7 @@ from .solve import Loads, solve
 
 RESERVED = "threads", "comm"  # arguments of solve that are chosen here
 BLAS = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
-# The program of a process. It imports nothing of the caller's, which therefore needs no
-# `if __name__ == "__main__"`.
+# Imports nothing of the caller's, which therefore needs no `if __name__ == "__main__"`.
 PROGRAM = "import sys; sys.path[:] = {}; from hpc_gfmd.runs.many import serve; serve({})"
 Outcome = tuple[Any, list[tuple[type[Warning], str]]]  # Solutions or exception, and warnings
 
@@ -108,10 +107,8 @@ def _solutions(
     count: int,
     make_bar: Callable[[], AbstractContextManager[Any]],
 ) -> Iterator[Solutions | Exception]:
-    """Yield the Solutions, or the exceptions, in the order of the surfaces.
-
-    `count` processes solve them, which are killed at the end or when the generator is closed; their
-    warnings are passed on.
+    """Yield Solutions or exceptions in the order of the surfaces, from `count` processes that are
+    killed when the generator is closed; their warnings are passed on.
     """
     workers = [_Worker() for _ in range(count)]
     idle: SimpleQueue[_Worker] = SimpleQueue()
@@ -180,11 +177,7 @@ class _Worker:
         connection_of_process.close()
 
     def solve(self, surface: Any, arguments: dict[str, Any]) -> Outcome:
-        """Let the process, started again if it has died, solve a surface; return (Solutions or an
-        exception, warnings).
-
-        One thread at a time may call this.
-        """
+        """Solve a surface in the process, restarted if it died; one thread at a time."""
         if self.process.poll() is not None:
             self.start()
         try:

@@ -1,7 +1,4 @@
-"""Forecast of the memory of a scene on each rank, from a table of measured bytes per point.
-
-By tests/unit/runs/test_measured_memory.py a forecast is never too low, and at most 25 % too high.
-"""
+"""Forecast of the memory of a scene on each rank: never too low, and at most 25 % too high."""
 
 from pathlib import Path
 
@@ -67,11 +64,7 @@ def _copies(surface: File) -> float:
 def memory_of(
     scene: Scene, cell: tuple[int, int], itemsize: int, ranks: int, threads: int = 1
 ) -> float:
-    """Return a forecast of the memory of the largest rank, in GiB.
-
-    cell: points of the grid, with those beyond free edges; itemsize: 8 if a load needs double
-    precision.
-    """
+    """Return GiB of the largest rank. cell: points with those beyond free edges."""
     points = -(-cell[0] // ranks) * cell[1]  # of the longest slab
     output = scene.output
     bytes_per_point = BYTES[itemsize, scene.solver.low_memory, sum(scene.surface.free)]

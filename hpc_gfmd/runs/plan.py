@@ -34,10 +34,7 @@ def plan_of(
     threads: int,
     cores: int,
 ) -> dict[str, Any]:
-    """Return the forecast by the names that `hpc-gfmd plan --json` prints: GiB and seconds.
-
-    n, sizes: of the surface; per_node: ranks on each node; cores: of this machine, for the time.
-    """
+    """Return the forecast that `hpc-gfmd plan --json` prints: GiB, and seconds on this machine."""
     cell = cell_of(n, scene.surface.free, sizes)
     first = first_precision(scene.solver)
     dtypes = precisions(scene, n)  # None: unknown before the run

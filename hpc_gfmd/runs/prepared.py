@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """The table [surface] that a PreparedSurface was made from, and the attributes that it had
-    then, by which `PreparedSurface.table` finds out whether it was changed since.
-    """
+    """The table [surface] of a PreparedSurface, and the attributes that it gave."""
 
     table: dict[str, Any]
     heights: np.ndarray
@@ -57,11 +55,7 @@ class PreparedSurface:
 
     @property
     def table(self) -> dict[str, Any] | None:
-        """The scene's [surface] that gives these heights; None if there is none.
-
-        It is None for heights from memory, and for a copy with changed heights, sizes, unit or
-        edges.
-        """
+        """The scene's [surface] that gives these heights; None in memory and after changes."""
         source = self.source
         if source is None or source.heights is not self.heights:
             return None
@@ -84,9 +78,8 @@ class PreparedSurface:
         return float(np.std(self.heights))
 
     def plot(self, **how: Any) -> "Figure":
-        """Draw the heights as a map and return the matplotlib figure.
-
-        `how` are title, window and dpi, see `plotting.height_map`.
+        """Draw the heights as a matplotlib figure; `how`: title, window and dpi of
+        `plotting.height_map`.
         """
         from ..plotting import height_map
 

@@ -18,10 +18,8 @@ LINE_SECONDS = 10.0  # between two lines about one load
 
 
 class Reporter:
-    """Prints how far a run has got, on rank 0 only, until a line cannot be printed.
-
-    Lines go to `out` (default: standard output), bars to `bar_stream`. `bar`: whether to draw them;
-    by default on a terminal and in a notebook, or as HPC_GFMD_PROGRESS ("bar" or "log") says.
+    """Prints progress on rank 0 until a line cannot be printed; bars by default on a terminal, in a
+    notebook, or by HPC_GFMD_PROGRESS ("bar" or "log").
     """
 
     def __init__(
@@ -89,9 +87,7 @@ class Reporter:
             self.say(f"{self.name}: {text}, {now - self.begin_time:.0f} s")
 
     def _draw(self, error: float, text: str) -> None:
-        """Move the bar, which never falls back, to the share of decades from the first error to the
-        required one that is done.
-        """
+        """Advance the bar, never back, to the share of decades from the first to the last error."""
         wanted = self.target.tolerance
         if 0 < error < math.inf:
             self.first_error = self.first_error or error
@@ -117,17 +113,13 @@ class Reporter:
 
 
 def bar_stream() -> Any:
-    """Return the stream for bars: standard error, or standard output in a notebook, which would
-    colour standard error as an error.
-    """
+    """Return standard error, or standard output in a notebook, which colours the former."""
     return sys.stdout if in_notebook() else sys.stderr
 
 
 def new_bar(name: str, total: float | None, bar_format: str | None = None) -> Any:
-    """Draw a progress bar, full at `total`: a widget in a notebook with ipywidgets, otherwise one
-    line of text.
-
-    It disappears when it is closed. Raises OSError or ValueError if it cannot be printed.
+    """Draw a bar, full at `total`, that disappears when closed; a widget in a notebook with
+    ipywidgets. OSError or ValueError if it cannot be printed.
     """
     if in_notebook() and find_spec("ipywidgets"):
         from tqdm.notebook import tqdm

@@ -33,12 +33,9 @@ def require_pull(scene: Scene, error: Any, several: bool) -> None:
 
 
 class PullOff:
-    """Pulls the bodies of a run apart by further loads, until their pull-off is known.
-
-    The run's loads, on the retraction branch, are solved first. Each further load starts from the
-    smallest one that the bodies have held. error: largest distance of the load that is held from
-    the one that is lost, relative to the latter. A load that does not converge ends the search.
-    `order`: numbers of the solved loads; further ones stand where a finer sweep would have them.
+    """Pulls the bodies apart by further loads, each from the smallest that held, until the pull-off
+    is known to `error`, relative to the load that separates. `order`: the solved loads as a sweep
+    has them.
     """
 
     def __init__(self, run: Run, error: float) -> None:

@@ -17,10 +17,8 @@ ROUNDING = 1e-6  # relative, of stored pressures
 
 
 def restored_contact(result: Result) -> Contact:
-    """Return the Contact of a Result with one load, from its fields, on one process.
-
-    Energy, approach and errors are nan: fields do not tell them. Without stored heights `surface.h`
-    is None. Raises SceneError if the pressure or the gap is missing.
+    """Return the Contact of a Result with one load, on one process. Energy, approach and errors are
+    nan, as fields do not tell them; `surface.h` is None without stored heights.
     """
     step = result.steps[0]
     stored = result.fields[0]

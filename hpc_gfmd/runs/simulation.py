@@ -139,10 +139,7 @@ def run_scene(
 
 
 class _Run:
-    """One run into a file: each missing load is solved, and written as soon as it is finished.
-
-    `prepare` has to be called first; `run` is None until then.
-    """
+    """One run into a file: loads are written as they finish. `run` is None before `prepare`."""
 
     def __init__(
         self,
@@ -171,10 +168,7 @@ class _Run:
         return f"{count} of {len(self.run.loads)} loads {are} finished{self.unfinished}"
 
     def prepare(self, begun: float) -> Run:
-        """Compile kernels, make the surface and the loads, write the head. Collective.
-
-        begun: time.monotonic() at the start of the run.
-        """
+        """Compile kernels, make surface and loads, write the head. Collective."""
         scene = self.scene
         say = self.say
         compile_once(self.comm, scene, partial(step_attributes, scene, 0, seconds=0.0), say.say)
@@ -204,10 +198,7 @@ class _Run:
             )
 
     def all_loads(self, run: Run) -> str:
-        """Solve the missing loads, write the result file, print the table; return the worst status.
-
-        Raises Stopped if the run has to stop before all loads are finished. Collective.
-        """
+        """Solve the missing loads, write the result, return the worst status. Collective."""
         finished = self.file.finished
         run.show(finished)
         missing = [index for index in range(len(run.loads)) if index not in finished]
@@ -222,10 +213,7 @@ class _Run:
         return status
 
     def _solve(self, run: Run, missing: list[int]) -> None:
-        """Solve and write the loads of these indices. Collective.
-
-        Raises Stopped as soon as the run has to stop; within a load its gap is written first.
-        """
+        """Solve and write these loads, one that has to stop with its gap alone. Collective."""
         if run.history is not None and missing[0] > 0:
             self._recall(run.history, missing[0] - 1)
         unfinished_of = partial(self._unfinished, run)
@@ -259,8 +247,7 @@ class _Run:
             self.file.forget_memory(load.index - 1)
 
     def _recall(self, history: History, index: int) -> None:
-        """Take up what the loads up to `index` have left; with a note none of it, if that cannot be
-        read. Collective."""
+        """Take up what loads up to `index` left; only a note if it is unreadable. Collective."""
         grid = history.surface.grid
         try:
             stored = self.file.memory(index)
@@ -275,10 +262,7 @@ class _Run:
             self.say.say(f"note: {error}; the loads before load {index + 2} are solved again")
 
     def _keep_gap(self, load: SolvedLoad) -> None:
-        """Write the gap of a load that is stopped before it converged. Collective.
-
-        Not for a surface that varies along one axis only: such a load takes no time.
-        """
+        """Write the gap of a stopped load unless it takes no time (one axis only). Collective."""
         contact = load.contact
         if contact.surface.reduced_axis is None:
             assert self.run is not None  # it has solved the load
@@ -293,11 +277,7 @@ class _Run:
             self.file.write_checkpoint(contact.grid, load.index, contact.g, numbers)
 
     def _unfinished(self, run: Run, index: int) -> tuple[Unfinished, float] | None:
-        """Return (stored state of a load that was stopped, seconds spent on it). Collective.
-
-        None if there is none of this load or, with a note, if it cannot be read or is of another
-        grid.
-        """
+        """Return (state, seconds) of a stopped load; None, with a note if unusable. Collective."""
         grid = run.surface.grid
         try:
             checkpoint = self.file.checkpoint()
@@ -318,12 +298,7 @@ class _Run:
         return unfinished, numbers["seconds"]
 
     def _require_storable(self, surface: Surface, *pressures: float) -> None:
-        """Raise SceneError if output.dtype = "single" cannot hold the fields at these mean
-        pressures on the wall.
-
-        One that is not above 0 decides nothing: before a load is solved its attraction is not
-        known, and a wall without pressure is stored as zeros.
-        """
+        """Raise SceneError if output.dtype = "single" cannot hold the fields at these pressures."""
         if self.scene.output.dtype != "single":
             return
         for name in self.scene.output.fields:
@@ -393,10 +368,7 @@ def restart(
 
 
 def _interrupted_scene(path: Path) -> Scene:
-    """Return the scene of the interrupted run that writes `path`; SceneError if there is none.
-
-    Removes a stale folder of a run that has finished.
-    """
+    """Return the scene of the interrupted run that writes `path`; remove a folder left over."""
     folder = partial_folder(path)
     if not (has_begun(folder) or of_earlier_version(folder) or is_held(folder)):
         clear(folder)  # what a run that died after it had finished the file left

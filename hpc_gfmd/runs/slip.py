@@ -37,8 +37,7 @@ class LoadInterval(NamedTuple):
 
 
 class SlipState(NamedTuple):
-    """The parts of a contact from the largest normal load down, and where slip ends: contact that
-    needs a normal load between `edge` and the present one slips."""
+    """Parts from the largest normal load down; contact that needs a load beyond `edge` slips."""
 
     normal: float
     parts: list[LoadInterval]

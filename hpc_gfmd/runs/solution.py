@@ -149,10 +149,7 @@ class Solution(Solved):
 
     @property
     def errors(self) -> tuple[float, float, float]:
-        """Estimated relative errors of a_r, of the mean gap and of the pressure field (L2).
-
-        They are the solver's, on this grid.
-        """
+        """Estimated relative errors by the solver of a_r, mean gap and pressure field (L2)."""
         return self.a_r_error, self.gap_error, self.pressure_error
 
     @property
@@ -186,31 +183,23 @@ class Solution(Solved):
 
     @property
     def contact(self) -> np.ndarray:
-        """Mask of the points in contact, (n_x, n_y) of bool: pressure > 0.
-
-        Raises SceneError if the pressure was not kept.
-        """
+        """Mask of the points in contact, (n_x, n_y) of bool; needs the pressure."""
         return self.pressure > 0
 
     def value(self, name: str) -> Any:
-        """Return a number, text or list by its name in the result file.
-
-        An observable that the result does not have is computed by `observable`, which is
-        collective; None if it has no value. Raises SceneError for an unknown name, and as
-        `observable`.
+        """Return a number, text or list by its name in the result file, computed as by `observable`
+        if it is not there; None if it has no value.
         """
         return self._step[name] if name in self._step else self.observable(name)
 
     _get = value
 
     def observable(self, name: str) -> Any:
-        """Return an observable, computed now and kept if the result does not have it. Collective.
+        """Return an observable by its name in output.observables, computed if need be. Collective.
 
-        For a name such as "stiffness" the number, or None if it has no value; for a name that
-        stands for several, such as "percolation", a dict. `name` is one that output.observables of
-        a scene may have. Raises SceneError for an unknown name. For a result without a contact in
-        memory it also raises it for energy, approach and error bounds, which fields do not tell,
-        and for any other observable unless pressure and gap were stored.
+        A dict for a name that stands for several, such as "percolation"; None without a value.
+        Raises SceneError for an unknown name, and without a contact in memory for energy, approach
+        and error bounds, or if pressure and gap were not stored.
         """
         require_known("observable", name, observable_names())
         members = observables_named([name])
@@ -227,16 +216,13 @@ class Solution(Solved):
         return {member: self._step[member] for member in members}
 
     def distribution(self, name: str) -> StoredDistribution | None:
-        """Return a distribution, computed now and kept if the result does not have it. Collective.
+        """Return a distribution by its name in output.distributions, computed if need be.
+        Collective.
 
-        `name` is one that output.distributions of a scene may have. "pressure", "gap", "patches":
-        {"edges": (k + 1,), "density": (k,)}; "heights_spectrum": {"q", "power"}; ... with their
-        `units`. None if no point contributes.
-
-        Raises SceneError for an unknown name. If it has to be computed, it also raises it for a
-        spectrum or autocorrelation of a surface with free edges or, with a name that begins with
-        "heights", without heights, and for a result without a contact in memory unless pressure and
-        gap were stored.
+        "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum":
+        {"q", "power"}; ... with their `units`; None if no point contributes. Raises SceneError for
+        an unknown name and where heights, pressure or gap are missing; spectra and autocorrelations
+        need a surface without free edges.
         """
         require_known("distribution", name, all_distributions())
         if not self._stored_distribution(name):
@@ -268,9 +254,9 @@ class Solution(Solved):
     def patch_table(self) -> "DataFrame":
         """Return a pandas table of the contact patches, the largest first.
 
-        Columns: area, load (the force that it carries), x and y (its centre), perimeter, periodic
-        (whether it continues across an edge of the cell). `attrs["units"]` holds {column: unit}.
-        Raises SceneError if the fields are spread over ranks, or if pressure or gap was not stored.
+        Columns: area, load (the force on it), x and y (centre), perimeter, periodic (across an edge
+        of the cell); `attrs["units"]`: {column: unit}. Raises SceneError if fields are spread over
+        ranks.
         """
         from pandas import DataFrame
 

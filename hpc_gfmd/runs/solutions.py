@@ -140,11 +140,10 @@ class Solutions(Solved, Sequence[Solution]):
 
     @property
     def pull_off(self) -> float | None:
-        """Mean pressure of the last load before the surfaces come apart, in the unit of `p`.
+        """Mean pressure of the last load before the bodies separate; None if none separates them.
 
-        The pull-off load lies between this one and the next one of the sweep. At prescribed gaps or
-        approaches, which hold the surfaces beyond it, it is the largest pull before they come
-        apart. None if no load separates surfaces that touched at the load before.
+        The pull-off load lies between it and the next load; at prescribed gaps or approaches it is
+        the largest pull.
         """
         held = last_held(self.steps)
         return None if held is None else float(held["p"])
@@ -158,19 +157,14 @@ class Solutions(Solved, Sequence[Solution]):
 
     @property
     def pull_off_bracket(self) -> tuple[float, float] | None:
-        """Mean pressures of the last load that is held and of the first that separates the bodies.
+        """Mean pressures of the last load that is held and the first that separates the bodies.
 
-        None where `pull_off` is None, and at prescribed gaps or approaches, which pass through the
-        largest pull. `solve(..., pull_off_error=0.01)` narrows it.
+        None where `pull_off` is, and at prescribed gaps or approaches; pull_off_error= narrows it.
         """
         return pull_off_bracket(self.steps)
 
     def values(self, name: str) -> np.ndarray:
-        """Return a number of all loads, shape (loads,), by its name in the result file.
-
-        Observables that the result does not have are computed. nan for a load without a value.
-        Collective and raises SceneError as `Solution.value`.
-        """
+        """Return a number of all loads, shape (loads,); nan without a value. Collective."""
         of_loads = [solution.value(name) for solution in self]
         return np.array([np.nan if value is None else value for value in of_loads])
 
@@ -196,13 +190,8 @@ class Solutions(Solved, Sequence[Solution]):
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a sweep in memory, after its first load.
-
-    Attributes
-    ----------
-    solutions : Solutions
-        The finished loads. If the exception was not caught, in a notebook or at the prompt, it is
-        `sys.last_value`.
+    """Ctrl-C after the first load of a sweep in memory; `solutions` are the finished loads. A
+    notebook or the prompt has it as `sys.last_value`.
     """
 
     def __init__(self, solutions: Solutions):

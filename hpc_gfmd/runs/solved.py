@@ -32,11 +32,9 @@ if TYPE_CHECKING:
 
 
 class Solved:
-    """Common base of Solution and Solutions.
-
-    Numbers of the result are attributes: a name that the class does not define is looked up among
-    them. `steps` are the numbers of each load, `make_result` makes all that a result file holds
-    when it is first looked at, `rows` are those of this rank (default: all) among `comm`.
+    """Common base of Solution and Solutions, which has the numbers of the result as attributes.
+    `steps`: those of each load; `make_result` makes the Result when it is first read; `rows`: of
+    this rank.
     """
 
     _picture: str | None = None  # what `plot` draws by default; None: the first that is possible
@@ -115,10 +113,7 @@ class Solved:
         yield from default_observables()
 
     def __getattr__(self, name: str) -> Any:
-        """Return a number of the result, or one that is cheap to compute, by its name.
-
-        Raises AttributeError for other names, and tells if `observable` can compute it.
-        """
+        """Return a number of the result; AttributeError of others says if it is computable."""
         if name.startswith("_") or name not in self._number_names():
             reason = "no such number or method"
             if not name.startswith("_") and name in all_observables():
@@ -309,17 +304,13 @@ class Solved:
         return result_table(self.result, errors)
 
     def to_dataframe(self) -> "DataFrame":
-        """Return a pandas table with a row for each load and a column for each number.
-
-        `attrs["units"]` holds {column: unit}.
-        """
+        """Return a pandas table, a row for each load; `attrs["units"]` holds {column: unit}."""
         return frame(self.result, all_numbers())
 
     def to_xarray(self) -> "Dataset":
         """Return an xarray Dataset of numbers (load), fields (load, x, y) and heights (x, y).
 
-        It has the fields that all loads have, which are read. Units and meanings are attributes.
-        Raises GfmdError without xarray, and SceneError if the fields are spread over ranks.
+        Only fields that all loads have. GfmdError without xarray, SceneError if fields are spread.
         """
         try:
             from xarray import Dataset

@@ -116,10 +116,8 @@ def _spectrum(q: Any, C: Any, unit: str) -> Spectrum:
 
 
 def _of_surface(profiles: Spectrum) -> Spectrum:
-    """Return the spectrum of the isotropic surface with these profiles, made to fall.
-
-    The falling spectrum is the best one by the squares of the logarithms. Bins that are pooled at
-    the end, where it would be constant, are left out.
+    """Return the spectrum of the isotropic surface with these profiles, made to fall by least
+    squares of logarithms, without bins pooled at the end.
     """
     from scipy.optimize import isotonic_regression
 

@@ -90,11 +90,8 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
 
 
 def surface_of_topography(topography: Any, boundary: Any) -> PreparedSurface:
-    """Return the surface that a Topography of SurfaceTopography shows as it is.
-
-    boundary: as for `prepare_surface`; None if it is not given. Raises SceneError for one without
-    sizes, or with points that have no height, or without a boundary where opposite edges do not
-    meet.
+    """Return the surface that a Topography of SurfaceTopography shows, which needs sizes, all
+    heights and a boundary.
     """
     as_it_is, spec = _in_memory(topography, {} if boundary is None else {"boundary": boundary})
     checked(complete_array(topography.heights()), 0, "heights")
@@ -104,10 +101,8 @@ def surface_of_topography(topography: Any, boundary: Any) -> PreparedSurface:
 
 
 def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
-    """Return heights in memory as a map that can be read, and the [surface] of a scene with these
-    keys of `prepare_surface`.
-
-    Edges and sizes that the keys do not give are those of the heights.
+    """Return heights in memory as a map, and the [surface] with these keys of `prepare_surface`;
+    edges and sizes are the map's where the keys have none.
     """
     metadata = Metadata()
     doubts = []
@@ -190,11 +185,7 @@ def _free_edges(surface: Any) -> tuple[bool, bool]:
 
 
 def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topography:
-    """Return the Topography of one of the two surfaces of `combine_surfaces`; a file is opened.
-
-    `path` is its path, or a name for messages. Raises SceneError if it cannot be read, if it is of
-    another type, or if keys for reading files are given with a PreparedSurface.
-    """
+    """Return one of the surfaces of `combine_surfaces`; `path`: its file, or a name in messages."""
     if isinstance(surface, PreparedSurface):
         of_files = [key for key in keys if key in Reading.model_fields]
         if of_files:
@@ -236,11 +227,7 @@ def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
 
 
 def _surface(topography: Topography, spec: Any) -> PreparedSurface:
-    """Return the PreparedSurface with the heights of a map as they are, and the edges of a
-    [surface].
-
-    Heights that belong to the caller are copied; those of the result cannot be written to.
-    """
+    """Return a PreparedSurface with the heights of a map, copied if they are the caller's."""
     heights = topography.rows(0, topography.n[0])
     if not heights.flags.owndata:  # those of the caller, who may change them
         heights = heights.copy()

@@ -67,11 +67,7 @@ PER_CENT = ("a_r", "a_r_corrected", *ERRORS)
 def table(
     steps: Mapping[int, dict], surface: dict, observables: Iterable[str] = (), errors: bool = False
 ) -> str:
-    """Return the table of load steps, by their numbers, as text.
-
-    Each requested observable has a column, and `errors` columns of their own if set; otherwise they
-    follow +-. Below are unconverged steps and notes.
-    """
+    """Return the table of load steps as text; errors have their own columns or follow +-."""
     observables = tuple(observables)
     rows = cells(steps, surface, observables, errors)
     return "\n".join([*aligned(rows), *remarks(steps, surface, observables)])
@@ -165,11 +161,7 @@ def _shown_value(value: Any) -> float | str | None:
 
 
 def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
-    """Return what the values of a column are divided by, and its unit in brackets.
-
-    The largest value determines the prefix; without units in the result it is the dimension, such
-    as "[pressure]"; a_r and errors are in per cent.
-    """
+    """Return the divisor of a column, by its largest value, and its unit in brackets."""
     if key in PER_CENT:
         return 0.01, "[%]"
     unit = all_numbers()[key][1]

@@ -20,12 +20,8 @@ COUNTS = {2: "two", 3: "three", 4: "four"}
 
 
 def allowed_values(annotation: Any, metadata: tuple = (), unit: str = "") -> str:
-    """Describe the values that a type allows, with its bounds, such as "a number above 0 and up to
-    1, or a list of them".
-
-    metadata: further bounds (annotated_types or fields of pydantic); unit: what numbers measure if
-    they may have units. "a text" for a type that is neither a number nor a bool, a Literal, a tuple
-    or a union of these.
+    """Describe the values of a type with its bounds, as "a number above 0 and up to 1"; metadata:
+    further bounds; unit: what numbers measure, if they may have units. "a text" for unknown types.
     """
     origin = get_origin(annotation)
     if origin is Annotated:
@@ -49,11 +45,7 @@ def allowed_values(annotation: Any, metadata: tuple = (), unit: str = "") -> str
 
 
 def _number(noun: str, metadata: tuple) -> str:
-    """Describe a number by its bounds, as "a number from 0 to 1".
-
-    The bounds LARGEST and MAX_INT, which only prevent overflow, are left out, and SMALLEST becomes
-    "greater than 0".
-    """
+    """Describe a number by its bounds but LARGEST and MAX_INT (overflow); SMALLEST is "above 0"."""
     bounds: dict[str, Any] = {}
     for item in metadata:
         for part in getattr(item, "metadata", None) or [item]:  # a pydantic Field has several
@@ -91,10 +83,7 @@ def _names(annotation: Any) -> list[str]:
 
 
 def _list(members: tuple, unit: str) -> str:
-    """Describe the tuple type with the arguments `members`, of any length or of a fixed one.
-
-    A key that takes any number of values takes a single one without a list, too.
-    """
+    """Describe a tuple type of any or fixed length; keys of any length take a single value, too."""
     text = allowed_values(members[0], unit=unit)
     if members[-1] is Ellipsis:
         return f"{text}, or a list of them"

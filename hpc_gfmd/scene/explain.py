@@ -56,9 +56,7 @@ def suggested(name: str, names: Iterable[str]) -> str:
 
 
 def require_known(key: str, name: str, names: Iterable[str]) -> None:
-    """Raise SceneError, which begins with `key`, unless a name is valid: with a near valid name, or
-    that its physics is not modelled, and all valid names.
-    """
+    """Raise SceneError unless a name is valid: with a near one, or physics that is not modelled."""
     allowed = sorted(names)
     if name not in allowed:
         why = not_modelled(str(name))
@@ -79,9 +77,7 @@ def shown(value: object) -> str:
 
 
 def printable(key: str) -> str:
-    """Return a name for a message, quoted and shortened if empty, long or with control
-    characters.
-    """
+    """Return a name for a message, quoted and cut if empty, long or with control characters."""
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
 
@@ -89,11 +85,8 @@ Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, data: dict) -> str:
-    """Return one line that explains the first eight validation errors (key, what was found and what
-    is allowed; unknown keys first) and counts the rest.
-
-    scene: the class that was validated, with the tables `data`. Errors of the same key count as
-    one.
+    """Return one line on the first eight validation errors, unknown keys first, one a key, and the
+    number of others. scene: the validated class; data: its tables.
     """
     # Several errors of one key (alternatives of its type, entries of a list) count as one. A
     # misspelt key comes first: it explains the "not given" that follows from it.
@@ -169,9 +162,7 @@ def _why(item: Any) -> str:
 
 
 def _limits(item: Any) -> str:
-    """Return ", from ... to ..." if a positive number violates SMALLEST or LARGEST, which the
-    description of allowed values leaves out, else "".
-    """
+    """Return ", from ... to ..." if a number violates SMALLEST or LARGEST, else ""."""
     beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
     return (
         f", from {SMALLEST:g} to {LARGEST:g}"
@@ -187,10 +178,8 @@ def _fields(scene: Model, table: str) -> Mapping[str, Any]:
 
 
 def _nearest(name: str, of_table: str, siblings: Iterable[str], scene: Model) -> str:
-    """Return "unknown key, nearest: ...": a similar one of `siblings`, or a key of this very name
-    in another table.
-
-    `of_table` is the table in which it stands, with a dot ("load."), or "" before the first table.
+    """Return "unknown key, nearest: ...": a similar sibling or this very name in another table;
+    of_table: as "load.", or "".
     """
     places = {
         key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)

@@ -9,8 +9,7 @@ from .table import alike
 
 
 def require_history(load: LoadTable, material: Material, output: Output) -> None:
-    """Raise ValueError for a memory of the loads without anything to remember, or with what it
-    excludes."""
+    """Raise ValueError for a memory of loads without anything to remember, or with its opposite."""
     if "dent" in output.fields and not (load.history and material.hardness is not None):
         raise ValueError(
             'output.fields: found "dent", allowed with load.history and material.hardness'
@@ -50,8 +49,7 @@ def require_history(load: LoadTable, material: Material, output: Output) -> None
 
 
 def _require_times(load: LoadTable, material: Material) -> None:
-    """Raise ValueError unless there is a time for each load of a solid that relaxes, and only then,
-    in order."""
+    """Raise ValueError unless each load of a solid that relaxes, and only those, has a time."""
     times = load.time
     if (times is None) != (material.relaxation is None):
         present = "load.time" if times else "material.relaxation"

@@ -56,16 +56,12 @@ class Scene(Table):
 
     @property
     def may_break_symmetry(self) -> bool:
-        """Whether a contact may vary along an axis along which the heights do not: with adhesion at
-        a gap or an approach; under a pressure such states are no more stable.
-        """
+        """Whether a contact may vary along an axis where heights do not: adhesion at a gap."""
         return self.material.adhesion is not None and self.load.is_searched
 
     @model_validator(mode="after")
     def _rough(self) -> Self:
-        """Raise ValueError if the surface is flat and the load is no pressure, force or approach:
-        it has no rms slope for load.p_star, and touches everywhere or nowhere.
-        """
+        """Raise ValueError if a flat surface has a load other than pressure, force or approach."""
         name, _ = self.load.prescribed
         if (
             isinstance(self.surface, Wave)
@@ -80,11 +76,8 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
-        """Raise ValueError if some quantities have units and others do not.
-
-        Lengths and pressures are compared among themselves; a force needs units if both of them
-        have units, and work of adhesion if the range has. Lengths of a height map are not compared
-        here: its file may have units.
+        """Raise ValueError if some quantities have units and others do not; a force follows lengths
+        and pressures, work its range. The file of a map may have units of its own.
         """
         parts = {"surface": self.surface, "load": self.load, "material": self.material}
         lengths, pressures, forces = (
@@ -123,10 +116,8 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _pulled(self) -> Self:
-        """Raise ValueError for loads that need or exclude adhesion.
-
-        With adhesion gaps and approaches must be positive, except all approaches but the first on
-        retraction and in a cycle.
+        """Raise ValueError for loads that need or exclude adhesion, with which gaps and approaches
+        are positive (all but the first approach on retraction and in a cycle).
         """
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.prescribed
@@ -189,10 +180,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
-        """Raise ValueError for a force or an approach that the boundary does not allow.
-
-        A boundary that the scene leaves to the file of a map is not free here.
-        """
+        """Raise ValueError for a force or approach that the boundary, if given here, excludes."""
         if self.load.force and not any(self.surface.free):
             raise ValueError(
                 "load.force: found periodic boundaries, allowed: with a free boundary (with"
@@ -207,9 +195,7 @@ class Scene(Table):
 
     @property
     def length_unit(self) -> str:
-        """Unit of lengths in the scene, "m" or "" without one; the file of a height map may have
-        one.
-        """
+        """Unit of lengths in the scene, "m" or "" without one; a map's file may have its own."""
         return "m" if has_unit(self.surface.physical_sizes) else ""
 
     @property
@@ -244,18 +230,12 @@ class Scene(Table):
         return cls.from_dict(parse_toml(text, origin), origin)
 
     def to_toml(self) -> str:
-        """Return the scene as TOML text, from which `from_toml` makes an equal scene.
-
-        It holds all defaults but None, and no values that follow from others (E_star from E1).
-        """
+        """Return TOML text of an equal scene, with all defaults but None and nothing derived."""
         return tomli_w.dumps(self.model_dump(exclude_none=True))
 
     def identity(self) -> str:
-        """Return the SHA-256 (hex) of everything in the scene that may change the result.
-
-        [machine], the title, the path of the result and its lossless compression are left out, and
-        the order of fields, observables and distributions does not matter. A height map enters by
-        its path, not by its content.
+        """Return the SHA-256 (hex) of all that may change the result: not [machine], title, path,
+        lossless compression and orders of names. A height map enters by its path.
         """
         data = self.model_dump(
             mode="json", exclude={"machine": True, "title": True, "output": {"path", "compression"}}
@@ -294,11 +274,7 @@ class Scene(Table):
         return notes
 
     def _contact_areas(self, surface: SelfAffine) -> list[float]:
-        """Return the relative contact area of each load: load.a_r, or 2 p* as an estimate.
-
-        [] if p* is not known before the surface is made: for gaps and approaches, and for pressures
-        and forces on a surface whose h_rms is given in place of g_rms.
-        """
+        """Return the contact area of each load, load.a_r or about 2 p*; [] if p* is unknown."""
         if self.load.a_r:
             return list(self.load.a_r)
         unit = 1.0 if self.load.p_star else (surface.g_rms or 0.0) * self.material.E_star

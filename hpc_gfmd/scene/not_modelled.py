@@ -23,11 +23,8 @@ OTHERS = ((VISCOELASTIC, WITH_TIME), (CONDUCTION, INSTEAD))
 
 
 def not_modelled(*names: str) -> str:
-    """Return a message on the first name that stands for physics without a key here, else "".
-
-    For adhesion and conduction it says which key to use instead. Names are keys or values of any
-    spelling ("friction_coefficient", "gammaSL"). Words that end in "less" ("frictionless") and the
-    valid key "adhesion" are ignored.
+    """Return a message, "" if none, on the first name, a key or value of any spelling ("gammaSL"),
+    for physics without a key; words in "less" ("frictionless") pass.
     """
     for name in names:
         if name == KEY:

@@ -19,10 +19,8 @@ ALTERNATIVES = {"load": LOADS, "solver": ("accuracy", "residual")}
 def load_scene(
     path: str | PathLike, overrides: Iterable[str] = (), needs_load: bool = True
 ) -> Scene:
-    """Read and validate a scene file, with overrides as of `apply_override`, or raise SceneError.
-
-    A relative path of a height map refers to the folder of the scene file and becomes absolute.
-    Without needs_load a scene without [load] gets some load, for those that take other ones.
+    """Read and validate a scene file, with overrides; paths of maps, relative to its folder, become
+    absolute. Without needs_load a missing [load] gets some load.
     """
     origin = printable(str(path))
     data = parse_toml(_read(path, origin), origin)
@@ -60,12 +58,8 @@ def _read(path: str | PathLike, origin: str) -> str:
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:
-    """Set one key in the tables of a scene, which are changed in place, without validation.
-
-    override: "table.key=value", "key=value" before the first table, or "table={key = value}", which
-    replaces a whole table; a value that is not TOML is taken as a text. Setting one of several
-    alternatives (kinds of load; accuracy, residual) by its own key removes the others. Raises
-    SceneError for another form or a key within something that is no table.
+    """Set one key in the tables, in place: "table.key=value", "key=value" or "table={...}"; what is
+    not TOML is text. One of alternatives (kinds of load; accuracy, residual) removes the others.
     """
     key, equals, value = override.partition("=")
     path = [part.strip() for part in key.split(".")]

@@ -61,10 +61,7 @@ class Section:
 
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
-    """Return the sections of all tables and kinds of surface, in the order of the models.
-
-    `names` adds lists of values that the models do not know: {"output.observables": ["a_r", ...]}.
-    """
+    """Return the sections of all tables; `names`: lists of values that the models do not know."""
     names = names or {}
     fields = dict(Scene.model_fields)
     title = _key("title", fields.pop("title"))
@@ -113,11 +110,7 @@ def toml(value: Any) -> str:
 
 
 def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
-    """Return the description of all keys, or of some, as text for a terminal.
-
-    key: "solver", "accuracy" or "solver.accuracy"; SceneError names the nearest one to an unknown
-    key. names: as for `sections`.
-    """
+    """Return the description of all keys, or of "solver", "accuracy" or "solver.accuracy"."""
     lines = []
     indent = " " * 22
     for section in _chosen(key, sections(names)):
@@ -150,11 +143,7 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
 
 
 def _listed(allowed: str) -> str:
-    """Return a description of allowed values as a cell of the page.
-
-    Of one with more than 120 characters, a list of observables, only the words before the colon
-    stay, with a link to the page that lists them.
-    """
+    """Return allowed values as a cell; of over 120 characters only what is before the colon."""
     noun = allowed.partition(":")[0]
     return allowed if len(allowed) <= 120 else f"{noun}, of [these](observables.md)"
 
@@ -176,11 +165,7 @@ def _key(name: str, field: Any, names: Any = ()) -> Key:
 
 
 def _chosen(key: str | None, listed: list[Section]) -> list[Section]:
-    """Return the sections of a table, or those that contain a key, each with this key alone.
-
-    `key` is the name of a table, or of a key with or without its table; None: all of `listed`.
-    Raises SceneError for an unknown key.
-    """
+    """Return the sections of a table, or those with a key, with this key alone; None: all."""
     if key is None:
         return listed
     if tables := [section for section in listed if key and section.table == key]:

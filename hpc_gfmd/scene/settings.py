@@ -47,11 +47,7 @@ PUSH = "greater than 0, with material.adhesion also 0 and below"
 
 
 def _effective_modulus(solids: dict) -> float:
-    """Return E* of two solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); 1 without E1 or
-    nu1.
-
-    The second solid is rigid if E2 is not given, and nu2 is 0 by default.
-    """
+    """Return E* from 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); 1 by default."""
     E1, nu1, E2, nu2 = (solids.get(key) for key in SOLIDS)
     if E1 is None or nu1 is None:
         return 1.0
@@ -129,10 +125,8 @@ class Material(Table):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        """Raise ValueError if the moduli are contradictory or incomplete.
-
-        Allowed are none of them, E_star, (E1, nu1) or (E1, nu1, E2, nu2) for a half-space, and nu1,
-        (E_star, nu1) or (E1, nu1) for a layer (with a thickness).
+        """Raise ValueError unless moduli are none, E_star, (E1, nu1) or (E1, nu1, E2, nu2); with a
+        thickness nu1, (E_star, nu1) or (E1, nu1).
         """
         # E_star is in the set only if it was given, not if it was computed
         keys = [key for key in SOLIDS if getattr(self, key) is not None]
@@ -179,9 +173,7 @@ class Material(Table):
 
     @model_serializer(mode="wrap")
     def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Return the table for TOML, without a computed E_star, and without `base` if no layer:
-        they would be refused when the table is read again.
-        """
+        """Return the table for TOML, without what would be refused when it is read again."""
         table = dump(self)
         if self.E1 is not None:
             table.pop("E_star", None)
@@ -273,10 +265,8 @@ class LoadTable(Table):
         return {"p_star": E_star * g_rms, "force": 1 / area}.get(self.prescribed[0], 1.0)
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
-        """Return the mean pressures of all loads, in the unit of E_star; () if they follow from a
-        search.
-
-        g_rms: on the grid, for loads given as p_star; area: nominal, for loads given as forces.
+        """Return the mean pressures over E_star, () if searched for; g_rms: on the grid, for
+        p_star; area: for forces.
         """
         _, values = self.prescribed
         unit = self.unit(E_star, g_rms, area)

@@ -54,10 +54,7 @@ class Anisotropy(Table):
         )
 
     def require_resolved(self, k: float, n: tuple[int, int], aspect: float, q: str = "") -> None:
-        """Raise ValueError if the grid does not resolve all waves of a spectrum.
-
-        k: of its shortest wave, in periods along x; n: points; q: where it ends, for the message.
-        """
+        """Raise ValueError if the grid misses waves; k: of the shortest, in periods along x."""
         xx, _, yy = self.stretch
         for axis, periods, points in (("x", k * yy**0.5, n[0]), ("y", k * aspect * xx**0.5, n[1])):
             if points > 1 and int(periods * (1 + ROUNDING)) > points // 2:

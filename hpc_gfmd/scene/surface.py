@@ -61,10 +61,7 @@ class SurfaceTable(Table):
 
     @model_validator(mode="after")
     def _form_ends(self) -> Self:
-        """Raise ValueError for a ball under roughness that is periodic along a curved axis.
-
-        A surface of kind "sphere" may be periodic: it is then one of an array of equal spheres.
-        """
+        """Raise ValueError for a ball under roughness that is periodic along a curved axis."""
         row = getattr(self, "kind", "") == "sphere"  # a periodic one is one of many
         if not row and any(R < inf and not ends for R, ends in zip(self.radii, self.free)):
             raise ValueError(
@@ -86,9 +83,7 @@ class SurfaceTable(Table):
 
     @property
     def free(self) -> tuple[bool, bool]:
-        """Whether the surface has free edges along x, along y; (False, False) also for a map
-        without a boundary in the scene, which has to be periodic.
-        """
+        """Whether edges are free along x, along y; False for maps without a boundary here."""
         # None: a height map that has to be periodic, see surface/quality.py
         return self._ends_as("free")
 

@@ -154,12 +154,8 @@ def key(
     default_text: str = "",
     **more: Any,
 ) -> Any:
-    """Return a pydantic field for a key of a table, with all that help and messages show of it.
-
-    allowed: description of allowed values, if that derived from the type is not good enough; unit:
-    what a number that may have units measures, such as "length", or the name of the unit ("s");
-    example: a value for the scenes of `hpc-gfmd init`; default_text: shown instead of the default,
-    if that depends on other keys; more: arguments of pydantic.Field.
+    """Return a pydantic field with all that help and messages show. allowed: unless derived from
+    the type; unit: "length" or "s"; example: for `init`; default_text: in place of the default.
     """
     example = default if example is None else example
     extra = {"allowed": allowed, "unit": unit, "example": example, "default_text": default_text}
@@ -210,10 +206,7 @@ def has_unit(value: Any) -> bool:
 
 
 def alike(noun: str, quantities: dict[str, Any], defaults: Collection[str] = ()) -> None:
-    """Raise ValueError, with all keys, if some quantities have units and others are plain.
-
-    0 and inf fit to any unit, and None is ignored. defaults: keys that were not given.
-    """
+    """Raise ValueError if some quantities (not 0, inf, None) have units and others none."""
     numbers = [
         (key, number)
         for key, value in quantities.items()

@@ -37,10 +37,8 @@ class Suggestion:
 
 
 def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head: str) -> str:
-    """Return a scene as TOML text with a comment on every key.
-
-    tables: {table: {key: value}} to be set; keys that must be given and are not among them are set
-    to their examples, all others become comments. head: text of the first line, which is a comment.
+    """Return a scene as TOML with a comment on every key; keys that must be given and are not in
+    `tables` have their examples, others are comments.
     """
     surface = {"kind": kind} | tables.get("surface", {}) | suggestion.values
     values = {"": tables, **tables, "surface": surface}

@@ -35,10 +35,7 @@ class FileArray:
     has_mask: bool = False
 
     def __getitem__(self, part: Any) -> np.ndarray:
-        """Read a part of the heights, nan where the mask is not 0.
-
-        Raises ValueError if the mask holds other floating-point numbers than 0 and 1.
-        """
+        """Read a part of the heights, nan where the mask is 1; ValueError unless it is 0 or 1."""
         z = self.unpacked(self.find(self.name)[part])
         return masked(z, np.asarray(self.find(MASK)[part])) if self.has_mask else z
 
@@ -51,20 +48,14 @@ def masked(z: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def read_npy(contents: Contents, spec: Any) -> Map:
-    """Open an array that numpy.save wrote, mapped into memory or, of a packed file, read whole;
-    pickled objects are refused.
-    """
+    """Open an array of numpy.save, memory-mapped unless packed; pickled objects are refused."""
     if contents.unpacked is None:
         return np.lib.format.open_memmap(contents.path, mode="r"), Metadata()
     return np.lib.format.read_array(contents.open(), allow_pickle=False), Metadata()
 
 
 def read_npz(contents: Contents, spec: Any) -> Map:
-    """Read one array of those that numpy.savez wrote, with sizes and units in arrays beside it.
-
-    Points have no height where an array `mask` beside it is not 0. Raises SceneError or ValueError
-    unless there is exactly one array that `dataset` may mean.
-    """
+    """Read the only array of numpy.savez, or `dataset`; mask, sizes and units may lie beside it."""
     with np.load(contents.source, allow_pickle=False) as file:
         arrays = [name for name in file.files if f"{name}.npy" in file.zip.namelist()]
         heads = {name: _head_in_archive(file.zip, name) for name in arrays}
@@ -84,10 +75,8 @@ def read_npz(contents: Contents, spec: Any) -> Map:
 
 
 def read_hdf5(contents: Contents, spec: Any) -> Map:
-    """Open one data set of an HDF5 or NetCDF 4 file, which stays open as long as the FileArray
-    exists.
-
-    Metadata are from attributes of the data set, its axes and the file.
+    """Open one data set of an HDF5 or NetCDF 4 file, with metadata from attributes of it, its axes
+    and the file; the file stays open as long as the FileArray exists.
     """
     import h5py
 
@@ -133,10 +122,7 @@ def read_hdf5(contents: Contents, spec: Any) -> Map:
 
 
 def read_netcdf(contents: Contents, spec: Any) -> Map:
-    """Open one variable of a NetCDF 3 file, which stays open as long as the FileArray exists.
-
-    Metadata are from attributes of the variable and its axes.
-    """
+    """Open one variable of a NetCDF 3 file, which stays open as long as the FileArray exists."""
     from scipy.io import netcdf_file
 
     file = netcdf_file(contents.source, "r", mmap=contents.unpacked is None)
@@ -163,11 +149,8 @@ def read_netcdf(contents: Contents, spec: Any) -> Map:
 
 
 def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple[str, ...]]:
-    """Choose the height map of a file, the array that the scene names or else the only one; return
-    its name and those of the others.
-
-    Arrays without two axes are never chosen. An array "mask" and, beside wider arrays, those with a
-    single row or column are chosen only by name. Raises SceneError without a choice.
+    """Return the name of the height map, the one the scene names or else the only array with two
+    axes, and the other names. Arrays "mask" and single rows or columns need to be named.
     """
     flat = [name for name, shape in shapes.items() if len(shape) == 2]
     maps = [name for name in flat if name != MASK]
@@ -189,11 +172,7 @@ def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple
 def is_mask(
     shape: tuple[int, ...] | None, dtype: np.dtype, shape_of_heights: tuple[int, ...]
 ) -> bool:
-    """Whether the array "mask" beside the heights marks points as missing; not if it is NumPy's
-    scalar that says "nothing is masked".
-
-    Raises ValueError if it has another shape than the heights, or is not numeric.
-    """
+    """Whether the array "mask" marks missing points; not if it is NumPy's scalar for "nothing"."""
     if shape == () and dtype.kind == "b":  # NumPy's for "nothing is masked"
         return False
     if shape != shape_of_heights or dtype.kind not in "buif":

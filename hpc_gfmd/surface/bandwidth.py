@@ -9,10 +9,8 @@ LARGEST = 1024  # points along an axis that are looked at, in the middle of the 
 
 
 def bandwidth_line(z: np.ndarray, sizes: tuple[float, ...], unit: str) -> str:
-    """Return a line on the share of g_rms^2 at the shortest waves, and what it does to a_r, which
-    at light loads is proportional to 1/g_rms.
-
-    z: heights (n_x, n_y) on an area of these sizes, not necessarily periodic.
+    """Return a line on the share of g_rms^2 at the shortest waves and what it does to a_r, which at
+    light loads goes as 1/g_rms. z: heights (n_x, n_y), periodic or not.
     """
     spacings = np.divide(sizes, z.shape)
     starts = [max(n - LARGEST, 0) // 2 for n in z.shape]

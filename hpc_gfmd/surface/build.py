@@ -34,11 +34,7 @@ Size = tuple[tuple[int, int], tuple[float, ...]]  # points along x and y, and le
 
 
 def open_surface(spec: Any) -> tuple[Topography | None, Size]:
-    """Return the opened height map of a scene's [surface] and the size of the surface it gives.
-
-    Not collective, and no heights are read. The map is None without a file. Raises SceneError if
-    the file cannot be opened or sizes or units are missing.
-    """
+    """Return the opened map of a [surface] (None without a file) and its size. Not collective."""
     if spec.n is not None:
         return None, (tuple(spec.n), spec.physical_sizes)
     topography = open_topography(spec)
@@ -60,12 +56,9 @@ def build_surface(
     whole: bool = False,
     opened: Callable[[], Topography | None] = lambda: None,
 ) -> Surface:
-    """Make or read the surface of a scene, each rank its own rows. Collective.
-
-    low_memory: make a self-affine surface with transforms in the precision of the gap, not in
-    double; whole: keep both axes where heights vary along one only; opened(): the map of a file if
-    it is open on this rank, of which it keeps no reference. Raises SceneError on all ranks if the
-    surface cannot be read or made on any.
+    """Make or read the surface of a scene, each rank its own rows. Collective. low_memory:
+    transforms of self-affine surfaces in the precision of the gap; whole: keep both axes; opened():
+    the map, if it is open on this rank.
     """
     dtype = np.dtype(dtype)
     if spec.kind == "file":
@@ -143,10 +136,8 @@ def _rows_of_gap(surface: Surface) -> Rows:
 
 
 def _shared(spec: Any, comm: Any, opened: Callable[[], Topography | None]) -> Topography:
-    """Return the prepared map of a scene, of which each rank can read its rows. Collective.
-
-    Rank 0 reads and prepares it, and the others get their rows; from an array in a file that needs
-    no preparation every rank reads its own.
+    """Return the prepared map, read and prepared by rank 0 unless it lies in an array in a file
+    that needs no preparation, of which each rank reads its own rows. Collective.
     """
     handed: list[Topography] = []  # so that nothing here refers to the map while it is prepared
     is_read_by_rows = False
@@ -181,10 +172,7 @@ def _on_rank_0(make: Callable[[], Topography], spec: Any, comm: Any) -> Topograp
 
 
 def _read_by_rows(topography: Topography | None, spec: Any, comm: Any) -> Topography:
-    """Return a map (opened, on rank 0) that needs no preparation and that each rank reads by rows.
-
-    Raises SceneError on all ranks if they find different maps. Collective.
-    """
+    """Return a map that each rank reads by rows, if all find the same one. Collective."""
     with collective_errors(comm, "reading the surface"):
         if topography is None:
             topography = open_topography(spec)
@@ -208,12 +196,9 @@ def surface_of(
     with_checksum: bool = False,
     whole: bool = False,
 ) -> Surface:
-    """Make the Surface with the heights of a prepared Topography, which are read here. Collective.
-
-    g_rms comes from differences between neighbouring points if an edge is free, else from the
-    Fourier series. A periodic surface whose heights change along one axis only is reduced to one
-    point along the other unless `whole`, see `Surface.reduced_axis`. Raises SceneError on all ranks
-    if heights cannot be read, are not finite or differ by too little.
+    """Make the Surface of a prepared map, whose heights are read here. Collective. g_rms is from
+    neighbours beside free edges, else from the Fourier series; one that varies along one axis only
+    keeps one point along the other, unless `whole`.
     """
     n = topography.n
     sizes = topography.sizes
@@ -269,11 +254,7 @@ def surface_of(
 
 
 def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> list:
-    """Call function(rows of each field) for all pieces of this rank's rows, on all threads; it may
-    change the rows.
-
-    Returns what the calls returned, in the order of the pieces.
-    """
+    """Return what function(rows of each field), which may change them, returns for each piece."""
     return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
 
 
@@ -283,11 +264,8 @@ def _largest(grid: Grid, z: np.ndarray) -> float:
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
-    """Reduce a map (slab z) that varies along one axis only to that axis. Collective.
-
-    Returns the grid with one point along the other axis, which every rank has to itself, and the
-    whole line of heights, on every rank; any other map and its grid as they are. A constant map
-    keeps the points along y.
+    """Return grid and heights, the whole line on every rank with one point along the other axis if
+    the map varies along one axis only; a constant map keeps y. Collective.
     """
     comm = grid.comm
     line = comm.bcast(z[:1].copy())

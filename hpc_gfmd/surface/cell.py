@@ -12,10 +12,8 @@ from ..parallel.grid import Grid
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """Empty space that the grid has along an axis beyond a surface with free edges: the largest of
-    the lengths that these numbers give.
-
-    They were measured by what more space changes, see tests/physics/test_free.py.
+    """Empty space beyond free edges: the largest of these lengths, which were measured by what more
+    space changes (tests/physics/test_free.py).
     """
 
     share: float = 1 / 2  # in units of the length of the axis
@@ -36,9 +34,7 @@ FREE_SPACE = FreeSpace()
 
 
 def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
-    """Return the grid points on which a surface is solved: more than its own along axes with free
-    edges, a number that is fast to transform.
-    """
+    """Return the grid points, fast to transform, of a surface with the space beyond free edges."""
     space = FREE_SPACE
     axes = list(zip(n, sizes, free))
     longest = max((size for _, size, ends in axes if ends), default=0.0)
@@ -66,11 +62,7 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
 def grid_of(
     n: tuple, sizes: tuple[float, ...], comm: Any, free: tuple[bool, bool], threads: int = 1
 ) -> Grid:
-    """Make the grid on which a surface, its nominal area, is solved, with empty space beyond free
-    edges.
-
-    It may share scratch memory with earlier grids of its size (`Grid.kept`).
-    """
+    """Make the grid of a surface; it may share scratch memory with earlier ones (`Grid.kept`)."""
     cell = cell_of(n, free, sizes)
     whole = tuple(size * m / k for size, m, k in zip(sizes, cell, n))
     return Grid.kept(cell, whole, comm, threads, nominal=n)

@@ -20,12 +20,7 @@ LEFT_AS_IT_IS = (None, "center", "do-not-fill")  # filters that change nothing o
 
 
 def read(contents: Contents, spec: Any) -> Map:
-    """Read the only map of a container, or the one that spec.dataset names, filtered as the
-    container says.
-
-    Raises SceneError with the names of all maps if none is chosen, and ValueError if there are only
-    profiles.
-    """
+    """Read the only map of a container, or spec.dataset, filtered as the container says."""
     surface_topography()
     from SurfaceTopography.Container.IO import open_container
 
@@ -75,9 +70,7 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def _remarks(about: dict, metadata: Metadata) -> list[str]:
-    """Return what the container did to a map, and where the file of the map, which holds,
-    differs.
-    """
+    """Return what the container did to a map, and where the map's own file differs (it counts)."""
     filters = [about.get("detrend_mode"), about.get("fill_undefined_data_mode")]
     remarks = [
         f"filtered by {mode!r}, as the container says"

@@ -1,6 +1,4 @@
-"""The bytes of a file, unpacked if it is packed, and the format that these bytes show; its name
-decides only if they do not.
-"""
+"""The bytes of a file, unpacked, and their format; the name decides only if the bytes do not."""
 
 import bz2
 import gzip
@@ -92,10 +90,8 @@ class Contents:
 
 
 def contents_of(path: Path, member: str = "") -> Contents:
-    """Return the contents of a file; a packed file is read whole and unpacked in memory.
-
-    member: which file of a zip is read, if it has one of this name; else its only one. Raises
-    errors of OSError, EOFError, zlib and lzma.
+    """Return the contents of a file, unpacked in memory; member: the file of a zip, else its only
+    one. Raises errors of OSError, EOFError, zlib and lzma.
     """
     contents = Contents(path, name=path.name)
     head = contents.head()
@@ -122,10 +118,8 @@ def files_in(archive: ZipFile) -> list[str]:
 
 
 def format_of(contents: Contents) -> str:
-    """Return the format of a file by its first bytes, "" if only SurfaceTopography may know it.
-
-    "numbers" is a text that begins with a line of numbers or with #, "picture" any that is not TIFF
-    or PNG.
+    """Return the format by the first bytes: "numbers" for a text, "picture" for any but TIFF and
+    PNG, "" if only SurfaceTopography may know it.
     """
     head = contents.head()
     if any(head[start:].startswith(_HDF5) for start in _USER_BLOCKS):
@@ -155,9 +149,7 @@ def is_utf16(head: bytes) -> bool:
 
 
 def _format_of_archive(contents: Contents) -> str:
-    """Return the format of a ZIP archive by its names, of a damaged one that which its suffix
-    claims: "x3p", "container", "npz" or "zip".
-    """
+    """Return "x3p", "container", "npz" or "zip", by the suffix if the archive is damaged."""
     try:
         with contents.open() as stream, ZipFile(stream) as archive:
             paths = archive.namelist()

@@ -25,12 +25,8 @@ OF_TEXT = ("skip_lines", "decimal", "coordinates")  # keys of [surface] that onl
 
 
 def open_map(spec: Any) -> Map:
-    """Open the height map of a scene with a single path; arrays in binary files are read later, by
-    rows.
-
-    Returns heights (an array, or anything sliced like one; nan or masked where missing) and
-    Metadata. Raises SceneError if the file is not readable or holds no map, or if the scene sets a
-    key that its format has no use for.
+    """Open the map of a scene with a single path: heights (an array, or sliced like one; nan or
+    masked where missing) and Metadata. Arrays in binary files are read later, by rows.
     """
     path = Path(spec.path)
     require_name("surface.path", path)

@@ -1,7 +1,4 @@
-"""Missing heights, filled harmonically.
-
-Each is the mean of its four neighbours, so that holes are closed as by a soap film.
-"""
+"""Missing heights, filled harmonically: each is the mean of its four neighbours (a soap film)."""
 
 import numpy as np
 
@@ -13,11 +10,7 @@ NEIGHBOURS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 
 def filled(topography: Topography, how: str) -> Topography:
-    """Return a map without missing heights, with a line in `prepared`; itself if none is missing.
-
-    how: "harmonic", or "none" to refuse missing heights. SceneError if these are refused, if all
-    are missing, or if memory does not suffice.
-    """
+    """Return a map without missing heights, by "harmonic"; "none" refuses them with SceneError."""
     z = topography.heights()
     missing = np.isnan(z)
     count = int(np.count_nonzero(missing))
@@ -42,10 +35,8 @@ def filled(topography: Topography, how: str) -> Topography:
 
 
 def _film(z: np.ndarray, missing: np.ndarray) -> np.ndarray:
-    """Return the heights of missing points, each the mean of its four neighbours.
-
-    For each point the equation is 4 z - (sum of z of missing neighbours) = sum of the other
-    neighbours, where beyond an edge the point is its own neighbour.
+    """Return the missing heights. For each point 4 z - (sum of z of missing neighbours) = sum of
+    the others; beyond an edge the point is its own neighbour.
     """
     x, y = (place.astype(np.int32) for place in np.nonzero(missing))
     number = np.full(z.shape, x.size, np.int32)  # of a point among the missing ones

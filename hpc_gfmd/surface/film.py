@@ -1,8 +1,6 @@
-"""The linear equations of a soap film over holes: conjugate gradients, preconditioned by multigrid
-over aggregates of points.
-
-On each level a point has at most four neighbours, to each of which a bond pulls it. Everything is
-held by point of the holes, and the preconditioner in single precision.
+"""Equations of a soap film over holes: conjugate gradients, preconditioned by multigrid over
+aggregates of points (in single precision). A point has at most four neighbours, to each of which a
+bond pulls it.
 """
 
 from dataclasses import dataclass
@@ -20,10 +18,8 @@ OVERCORRECTION = 1.8  # constant pieces are stiffer than the film
 
 @dataclass
 class Film:
-    """The equations diagonal z - (sum of bonds times z of the neighbours) = right.
-
-    neighbours: index of each of the four, that of no point where the height there is known; bonds:
-    None if all are 1.
+    """Equations diagonal z - (sum of bonds times z of the neighbours) = right; `bonds` None: all 1.
+    A neighbour of known height has the index of no point.
     """
 
     neighbours: list[np.ndarray]
@@ -81,10 +77,8 @@ class Film:
 
 @dataclass
 class FilmLevel:
-    """One level of the multigrid.
-
-    parents: index in the next coarser level of the aggregate of each point; None on the coarsest
-    level, which has `factors`; `weights`: DAMPING over the diagonal.
+    """A level of the multigrid; `parents`: the aggregate of each point on the next one, None on the
+    coarsest, which has `factors`; `weights`: DAMPING over the diagonal.
     """
 
     film: Film
@@ -96,11 +90,7 @@ class FilmLevel:
 
 
 def solve_film(film: Film, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Return the heights of points x, y in holes at which the film is at rest.
-
-    Raises MemoryError if the factorisation does not fit into memory, ArithmeticError without
-    convergence.
-    """
+    """Return the heights of points x, y in holes; MemoryError or ArithmeticError if that fails."""
     from scipy.sparse.linalg import LinearOperator, cg
 
     size = right.size
@@ -123,9 +113,7 @@ def solve_film(film: Film, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> n
 
 
 def _levels(film: Film, x: np.ndarray, y: np.ndarray) -> list[FilmLevel]:
-    """Build the levels, finest first, to at most DIRECT points: points within 2 x 2 grid points
-    become one on the next level.
-    """
+    """Build the levels, finest first, to at most DIRECT points, of 2 x 2 grid points each."""
     levels = []
     while len(x) > DIRECT:
         x = x // 2

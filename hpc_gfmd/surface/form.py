@@ -14,10 +14,8 @@ POINTS = 512  # along an axis at which the form is fitted, at most about twice a
 def form_notes(
     z: np.ndarray, sizes: tuple[float, ...], unit: str, axes: Sequence[int]
 ) -> list[SurfaceWarning]:
-    """Return a note on a map (n_x, n_y) that is curved along one of these axes (0 or 1).
-
-    The form is the best paraboloid without a mixed term; its sag is the height between the middle
-    and the edges.
+    """Return a note on a map that is curved along these axes: the sag, between middle and edges, of
+    the best paraboloid without a mixed term.
     """
     every_row, every_column = (max(n // POINTS, 1) for n in z.shape)
     z = z[::every_row, ::every_column]

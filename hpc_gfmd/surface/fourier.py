@@ -26,10 +26,8 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Coefficients c_k, one of each pair c_k and c_-k, without the mean.
-
-    Mode numbers are sorted by k_y, with k_y > 0, or k_y = 0 and k_x > 0; c is in units of the
-    largest |c_k|, `unit`.
+    """Coefficients of one of each pair k, -k (k_y > 0, or k_y = 0 and k_x > 0), sorted by k_y, in
+    units of the largest, `unit`; without the mean.
     """
 
     k_x: np.ndarray
@@ -59,10 +57,7 @@ class Coefficients:
 
 
 def fourier_modes(spec: Any, comm: Any) -> Modes:
-    """Return the modes of a [surface] of kind "fourier", all on every rank. Collective.
-
-    Raises SceneError on all ranks if they cannot be read, or if the grid does not resolve them.
-    """
+    """Return all modes of a [surface] of kind "fourier" on every rank. Collective."""
     coefficients = on_rank_0(comm, "reading the coefficients", lambda: _read(spec))
     for axis, n, k in zip("xy", spec.n, (coefficients.k_x, coefficients.k_y)):
         largest = int(np.abs(k).max())
@@ -140,10 +135,7 @@ def _arrays(path: str) -> tuple[np.ndarray | None, np.ndarray]:
 
 
 def _of_transform(transform: np.ndarray, path: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return mode numbers and coefficients of the transform of real heights, divided by N.
-
-    A mode of half the points along an axis becomes two, each with half of the coefficient.
-    """
+    """Return modes and coefficients of a transform over N; a Nyquist mode becomes two halves."""
     if transform.ndim != 2 or not transform.size:
         raise SceneError(f"surface.path: found shape {transform.shape} in {path}, allowed: {FORMS}")
     mirrored = np.roll(transform[::-1, ::-1], (1, 1), (0, 1)).conj()
@@ -165,10 +157,8 @@ def _of_transform(transform: np.ndarray, path: str) -> tuple[np.ndarray, np.ndar
 
 
 def _one_of_each_pair(indices: np.ndarray, c: np.ndarray, path: str) -> Coefficients:
-    """Return coefficients of which k and -k are listed both, or one of them.
-
-    Raises SceneError if a mode is listed twice, if c_-k is not the conjugate of c_k, or if all
-    vanish.
+    """Return coefficients of listed modes; SceneError for modes listed twice, c_-k that is not the
+    conjugate of c_k, and zeros alone.
     """
     k_x, k_y = indices.T
     mirrored = (k_y < 0) | ((k_y == 0) & (k_x < 0))

@@ -25,8 +25,7 @@ _ROW = "<row>"  # stands for a line of numbers
 
 
 class Columns(NamedTuple):
-    """Places of the columns x, y and z of a text, their units (None unless all are named), and the
-    names of all other columns."""
+    """Places and units of x, y and z in a text (units None unless all are named); other names."""
 
     places: tuple[int, ...]
     units: tuple[str, ...] | None
@@ -34,10 +33,8 @@ class Columns(NamedTuple):
 
 
 def columns_named(header: list[str], mark: str | None, columns: int) -> Columns | None:
-    """Find the columns x, y and z by their names in one of the last three lines of a header.
-
-    None unless a line has as many fields as there are columns, and exactly one of them names each
-    of x, y and z.
+    """Find x, y and z by their names in one of the last three lines of a header, which must have as
+    many fields as there are columns.
     """
     titles = [line.strip().lstrip("#%;/ \t").strip() for line in header if line.strip()][-3:]
     for title in reversed(titles):
@@ -62,10 +59,8 @@ def columns_named(header: list[str], mark: str | None, columns: int) -> Columns 
 
 
 def units_of(header: list[str]) -> tuple[str, ...] | None:
-    """Return the units of x, y and z that a header names, None unless it names all three.
-
-    They are the first three texts in brackets in one of its last two lines that are not blank, or
-    those of Gwyddion, one for x and y and one for z.
+    """Return the units of x, y and z in a header, or None: texts in brackets in one of its last two
+    lines that are not blank, or Gwyddion's.
     """
     named = {
         match["key"].lower(): match["unit"] for match in _GWYDDION_UNIT.finditer("".join(header))
@@ -94,11 +89,7 @@ def numbers_in(texts: Iterable[str]) -> tuple[float, ...]:
 
 
 def of_esri(header: list[str], table: np.ndarray) -> tuple[np.ndarray, Metadata] | None:
-    """Return heights (n_y, n_x) and metadata of an ESRI grid, None if the header is none of it.
-
-    Its sizes have no unit. Raises ValueError if the header announces another number of heights than
-    there are in `table`, the lines of numbers.
-    """
+    """Return heights (n_y, n_x) and metadata (sizes without a unit) of an ESRI grid, or None."""
     of_header = {
         match[1].lower(): float(match[2].replace(",", "."))
         for match in map(_ESRI.fullmatch, header)
@@ -119,11 +110,8 @@ def of_esri(header: list[str], table: np.ndarray) -> tuple[np.ndarray, Metadata]
 
 
 def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata, float] | None:
-    """Read a header of Gwyddion, SPIP, Wyko, Nova, Attocube or others, by SurfaceTopography.
-
-    Returns metadata and the factor from the numbers to heights; None for another kind of header, or
-    one without sizes and unit. ValueError for another quantity than heights, or another number of
-    lines or columns than those that follow.
+    """Return metadata and the factor to heights by SurfaceTopography's header readers, None for
+    another kind; ValueError for other quantities than heights or other numbers of lines or columns.
     """
     if not any(re.search(r"[^\W\d_]{2}", line) for line in header):
         return None
@@ -169,9 +157,6 @@ def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata
 
 
 def unit_in_brackets(text: str) -> str | None:
-    """Return a text if it is a unit of length, else the first such unit that it has in brackets.
-
-    None if there is none.
-    """
+    """Return a text if it is a unit of length, else the first one in brackets in it, or None."""
     units = [text.strip(), *_IN_BRACKETS.findall(text)]
     return next((unit for unit in units if unit and length_factor(unit)), None)

@@ -1,8 +1,8 @@
 """Heights that are not Gaussian, with a given spectrum.
 
-Heights are replaced by those of the same rank in the distribution, and the amplitudes of the waves
-by those of the spectrum, in turn (Perez-Rafols & Almqvist 2019, Schreiber & Schmitz 1996). The
-spectrum comes last, so that it holds; the distribution holds to an error that is stated.
+Heights of the same rank in the distribution and amplitudes of the spectrum are put in, in turn
+(Perez-Rafols & Almqvist 2019). The spectrum comes last: it holds exactly, the distribution to an
+error that is stated.
 """
 
 from collections.abc import Callable
@@ -21,11 +21,7 @@ Quantiles = Callable[[np.ndarray], np.ndarray]
 
 
 def with_distribution(z: np.ndarray, spec: Any) -> tuple[np.ndarray, str]:
-    """Return heights with the waves of z (periodic, not flat) and the distribution of a [surface],
-    and a line on them.
-
-    Raises SceneError if there is no such distribution.
-    """
+    """Return heights with the waves of z (periodic) and a given distribution, and a line on it."""
     import scipy.fft
 
     h_rms = float(np.std(z))
@@ -103,10 +99,8 @@ def _sample(path: str) -> np.ndarray:
 
 
 def _johnson(skewness: float, kurtosis: float) -> Quantiles:
-    """Return the quantile function of the distribution of Johnson's system with these moments.
-
-    Of a normal number t it is sinh((t - a)/b) or, below the line of the log-normal distributions,
-    1/(1 + exp((a - t)/b)). Raises SceneError if no parameters are found.
+    """Return quantiles of Johnson's distribution with these moments: sinh((t - a)/b) of a normal t
+    or, below the log-normal line, 1/(1 + exp((a - t)/b)).
     """
     from scipy.optimize import least_squares
     from scipy.special import expit, ndtri

@@ -17,10 +17,8 @@ EXACT = 2**53  # float64 holds all integers up to this one
 
 
 def require_map(array: Any, where: str, of: str = "") -> None:
-    """Raise SceneError unless an array is not empty, real and has two axes; values are not read.
-
-    where: key of the scene at the start of the message; of: appended to the finding, such as " in
-    map.txt".
+    """Raise SceneError unless an array is real, with two axes and not empty; reads no values.
+    where: key before the message; of: text after the finding.
     """
     shape = tuple(array.shape)
     dtype = array.dtype
@@ -33,10 +31,8 @@ def require_map(array: Any, where: str, of: str = "") -> None:
 
 
 def checked_array(heights: Any) -> np.ndarray:
-    """Convert heights to an array (masked, if they are) and check that they are a map.
-
-    The values are not read. Raises SceneError for a path, for anything but a non-empty real array
-    with two axes, and for an array of xarray whose first axis is y.
+    """Convert heights to an array (masked, if they are) and check that they are a map, without
+    reading values; an array of xarray whose first axis is y is refused.
     """
     if isinstance(heights, str | PathLike):
         path = repr(str(heights))
@@ -82,11 +78,8 @@ def complete_array(heights: Any) -> np.ndarray:
 def checked(
     z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False
 ) -> np.ndarray:
-    """Return heights, float64, as they are, or raise SceneError if one is infinite, beyond
-    +-LARGEST, or nan unless `missing`.
-
-    Instruments often write nan or the largest number for points that they could not measure. start:
-    index of the first row in the map; where, of: as for `require_map`.
+    """Return heights, float64; SceneError for infinite ones, beyond +-LARGEST (which instruments
+    write for missing points), or nan unless `missing`. start: index of the first row.
     """
     wrong = ~(np.abs(z) <= LARGEST)
     if missing:
@@ -106,12 +99,8 @@ def checked(
 def checksum(
     grid: Any, z: np.ndarray, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
 ) -> str:
-    """Compute a checksum of heights (slab), points, sizes and unit, the same for any number of
-    ranks.
-
-    Of each row it is the sum of its numbers times odd random ones, modulo 2^64; of these the BLAKE2
-    checksum. Synthetic surfaces need none: the scene determines them, and a billion points are made
-    faster than they are summed. Collective.
+    """Return a checksum of heights (slab), points, sizes and unit: BLAKE2 of the sums of rows times
+    odd random numbers modulo 2^64, so the same for any number of ranks. Collective.
     """
     factors = _odd_factors(z.shape[1])
 

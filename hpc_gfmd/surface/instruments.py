@@ -35,10 +35,8 @@ def is_topography(value: Any) -> bool:
 
 
 def of_topography(topography: Any) -> Map:
-    """Return heights (n_x, n_y), float64, masked where there is none, and metadata of a Topography.
-
-    It is periodic if the Topography is; otherwise that is left open, since most formats say nothing
-    of it.
+    """Return heights (n_x, n_y), float64, masked, and metadata of a Topography; unless it is
+    periodic that is left open, as most formats do not say.
     """
     named = topography
     while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
@@ -54,11 +52,7 @@ def of_topography(topography: Any) -> Map:
 
 
 def unreliable(topography: Any) -> tuple[float, str] | None:
-    """Return the wave length in m below which a Topography shows the instrument, and a note on it.
-
-    That is the limit set by the tip or the resolution, as SurfaceTopography knows it. None if it or
-    the unit of the Topography is unknown.
-    """
+    """Return the wave length in m below which a map shows the instrument, and a note, or None."""
     has_unit = isinstance(topography.unit, str)
     cutoff = topography.short_reliability_cutoff() if has_unit else None
     if cutoff is None:
@@ -90,12 +84,7 @@ def detects(contents: Contents) -> bool:
 
 
 def read(contents: Contents, spec: Any) -> Map:
-    """Read one channel of a file of an instrument, by default heights, with all its points (masked
-    where missing).
-
-    Raises SceneError or ValueError if no reader of SurfaceTopography takes the file, or it does not
-    have the channel.
-    """
+    """Read one channel of an instrument's file, by default heights, masked where missing."""
     reader = _reader_of(contents)
     if reader.format() == "gwy" and not _maps_of(reader):
         return _of_gwyddion(contents, spec)
@@ -103,11 +92,7 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def read_x3p(contents: Contents, spec: Any) -> Map:
-    """Read an X3P file, with all its heights (masked where missing).
-
-    Unlike SurfaceTopography it accepts files that lie in a folder of the archive, and a revision
-    that is written with another dash than in the standard.
-    """
+    """Read an X3P file, also with files in a folder or another dash in the revision."""
     return _read_channel(_open(_normalised_x3p(contents), "x3p"), spec)
 
 
@@ -130,11 +115,8 @@ def recognised(contents: Contents, spec: Any) -> Map | None:
 
 
 def topography_of_channel(contents: Contents, dataset: str) -> Any:
-    """Return the SurfaceTopography object of a channel, chosen as by `read`; of size 1 x 1 if the
-    file has no sizes.
-
-    The file is opened by the first reader of SurfaceTopography that takes it, which for some files
-    is not the one that `read` prefers. Raises whatever readers raise.
+    """Return the SurfaceTopography object of a channel, of size 1 x 1 if unknown; raises whatever
+    readers raise. The first reader that takes the file may not be the one `read` prefers.
     """
     channel = _channel_of(_detected(contents), dataset)
     sized = channel.physical_sizes is not None
@@ -142,11 +124,7 @@ def topography_of_channel(contents: Contents, dataset: str) -> Any:
 
 
 def _open(source: Any, kind: str | None = None) -> Any:
-    """Open a path or a BytesIO, which stays in use, by a reader of SurfaceTopography, which must
-    not print.
-
-    kind: name of the format; None: the first that takes the file.
-    """
+    """Open a path or BytesIO by a reader of this kind (None: any), which must not print."""
     io = surface_topography().IO
     source = source if isinstance(source, BytesIO) else str(source)
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
@@ -159,11 +137,8 @@ def _detected(contents: Contents) -> Any:
 
 
 def _reader_of(contents: Contents) -> Any:
-    """Return a reader for a file: one that recognises the bytes, else one that knows the suffix.
-
-    A reader that recognises the bytes but finds no map comes last. Raises ValueError with the
-    reasons if readers that know the suffix fail, and SceneError with the known formats if there are
-    none.
+    """Return a reader that recognises the bytes, else one that knows the suffix; one that
+    recognises them but finds no map comes last.
     """
     io = surface_topography().IO
     suffix = Path(contents.name or contents.path).suffix.lower().lstrip(".")
@@ -203,12 +178,9 @@ def _maps_of(reader: Any) -> list:
 
 
 def _channel_of(reader: Any, dataset: str) -> Any:
-    """Choose a channel: the one that dataset names, or else one that seems to be heights.
-
-    Channels with a unit of length, and without a name such as "phase" or "error", come first. Of
-    these it is the reader's default, or one with a name such as "topography", or the first. Raises
-    SceneError if there is no map of that name, ValueError if there is no map or, in formats of
-    arrays of any meaning, several.
+    """Choose a channel: `dataset`, else one of a length and not named "phase" or "error": the
+    reader's default, one named as "topography", or the first. ValueError if formats of any arrays
+    have several.
     """
     maps = _maps_of(reader)
     if not maps:

@@ -52,9 +52,8 @@ class TextLayout:
         return tokens[:-1] if is_ended else tokens
 
     def number(self, token: str) -> float | None:
-        """Return the number of a token, nan for a missing one, None for any other text.
-
-        Numbers that mark missing points stay: beside the heights they may be coordinates.
+        """Return a token's number, nan if missing, None for text; numbers that mark missing points
+        stay, as they may be coordinates.
         """
         is_plain = "_" not in token and not (self.decimal == "," and "." in token)
         with suppress(ValueError):
@@ -70,11 +69,8 @@ class TextLayout:
 
 
 def layout_of(lines: list[str], spec: Any) -> TextLayout:
-    """Return the layout in which most numbers of the first lines can be read.
-
-    spec.decimal and spec.skip_lines override what the lines show, spec.missing adds texts for
-    missing points. Raises ValueError if there are no numbers, or if the header seems to end with a
-    line of numbers (unless skip_lines gives its length).
+    """Return the layout that reads most numbers of the first lines; spec.decimal, skip_lines and
+    missing override. ValueError without numbers, or if the header seems to end with some.
     """
     missing = MISSING | {text.lower() for text in spec.missing}
     skip = spec.skip_lines or 0
@@ -132,10 +128,8 @@ def _measured(layout: TextLayout, lines: list[str], skip: int) -> TextLayout:
 
 
 def _require_header(lines: list[str], layout: TextLayout) -> None:
-    """Raise ValueError if lines just before the numbers hold numbers too.
-
-    Such lines may belong to the map, with an unknown token or damaged. The search goes backwards
-    from the numbers to a blank line or a comment.
+    """Raise ValueError if lines just before the numbers, back to a blank line or comment, hold
+    numbers: they may belong to the map.
     """
     hint = "surface.skip_lines tells how long the header is"
     for k in range(layout.header_lines - 1, -1, -1):

@@ -52,10 +52,8 @@ def missing_keys(metadata: Metadata, spec: Any, path: object) -> dict[str, str]:
 
 
 def units_of(metadata: Metadata, spec: Any, path: object) -> MapUnits:
-    """Return the sizes and units of a map; what the scene says has priority.
-
-    Raises SceneError for what neither of them says, and for different units of scene and file;
-    different sizes only make a note. `path` is the name of the map in messages.
+    """Return sizes and units of a map. The scene has priority: other sizes make a note, other units
+    raise SceneError, as does neither saying anything.
     """
     _require_the_same_units(metadata, spec, path)
     if missing := missing_keys(metadata, spec, path):
@@ -126,10 +124,7 @@ def _require_the_same_units(metadata: Metadata, spec: Any, path: object) -> None
 
 
 def lengths_text(sizes: Any, are_named: bool) -> str:
-    """Write lengths with a common prefix of the unit, such as "10 um x 8 um".
-
-    `are_named`: whether they are in m; otherwise they have no unit.
-    """
+    """Write lengths with a common prefix, as "10 um x 8 um"; `are_named`: in m, else unitless."""
     scale, name = prefixed(sizes, "m" if are_named else "")
     return " x ".join(f"{size / scale:.6g} {name}".strip() for size in sizes)
 

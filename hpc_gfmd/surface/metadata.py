@@ -42,10 +42,8 @@ Map = tuple[Any, Metadata]  # an array, or anything sliced like one, and what is
 
 
 def by_attributes(*places: Mapping[str, Any]) -> Metadata:
-    """Make metadata of the attributes physical_sizes, unit or units, and periodic (HDF5, .npz) of
-    the heights, then of the file.
-
-    Sizes are in the unit in the same place, or else in that of the heights.
+    """Make metadata of the attributes physical_sizes, unit(s) and periodic of heights, then of the
+    file; sizes are in the unit beside them, or else that of the heights.
     """
 
     def first_with(name: str) -> Mapping[str, Any]:
@@ -64,12 +62,9 @@ def by_attributes(*places: Mapping[str, Any]) -> Metadata:
 
 
 def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
-    """Make metadata of a NetCDF variable and its two axes, (name, attributes, coordinates or None).
-
-    Two conventions are understood: `length` and `unit` of the axes (SurfaceTopography), and
-    coordinates of the points with `units` (CF). Coordinates without a unit are not used if the
-    heights have one or if they only count the points. Raises ValueError if coordinates are not
-    evenly spaced, or the axes have different units.
+    """Make metadata of a NetCDF variable and two axes (name, attributes, coordinates or None), by
+    `length` and `unit` (SurfaceTopography) or coordinates and `units` (CF). Coordinates that only
+    count points do not count.
     """
     names = tuple(name for name, *_ in axes)
     transposed = is_y_first([(name, attributes) for name, attributes, _ in axes])
@@ -99,11 +94,7 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
 
 
 def is_y_first(axes: list[tuple[str, Mapping[str, Any]]]) -> bool:
-    """Whether the first of two axes, (name, attributes), is y, by `axis` and `standard_name` of CF
-    and by name.
-
-    An axis that is neither x nor y by these counts as the other one.
-    """
+    """Whether the first of two axes, (name, attributes), is y, by CF's attributes or its name."""
     return [_direction(*axis) for axis in axes] in (["y", "x"], ["y", ""], ["", "x"])
 
 
@@ -113,9 +104,7 @@ def is_x_or_y(axes: list) -> bool:
 
 
 def missing_numbers(spec: Any, path: object) -> tuple[float, ...]:
-    """Return the numbers that the key `missing` declares, or raise SceneError for texts, which only
-    text files can have.
-    """
+    """Return the numbers of the key `missing`; texts raise SceneError (they are for text files)."""
     try:
         return tuple(float(text) for text in spec.missing)
     except ValueError:
@@ -150,10 +139,8 @@ def _direction(name: str, attributes: Mapping[str, Any]) -> str:
 
 
 def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
-    """Return the length of an axis: its attribute, or the points x times their distance; None if
-    unknown.
-
-    It is negative if they fall. Raises ValueError if they are not evenly spaced.
+    """Return an axis' length, its attribute or points x times their distance (< 0 if they fall);
+    None if unknown, ValueError if uneven.
     """
     if "length" in attributes:
         return float(np.ravel(attributes["length"])[0])

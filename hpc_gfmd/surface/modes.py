@@ -31,13 +31,12 @@ class Modes:
 def gap_of_modes(
     modes: Modes, grid: Grid, dtype: DTypeLike, made_in: DTypeLike
 ) -> tuple[np.ndarray, Roughness, Callable]:
-    """Make the gap under zero load, z_max - z, of a surface from its modes, scaled to g_rms = 1.
+    """Make z_max - z (slab) of modes scaled to g_rms = 1. Collective.
 
-    made_in: precision of the transforms, which are used as scratch memory; single precision has
-    several times the errors of storing the gap. Returns this rank's slab; the Roughness in the unit
-    of the modes and of the grid spacing; and add_spectrum(fft), which returns add(block, m) for
-    `fft.columns`: it adds the transform of minus the gap, without a factor 1/N, computed again so
-    that heights need not be kept. Collective.
+    Also returns the Roughness in units of the modes and of the grid spacing, and add_spectrum(fft)
+    -> add(block, m), which adds the transform of minus the gap (without 1/N), computed again so
+    that no heights are kept. made_in: precision of the transforms; single has several times the
+    error of storing the gap.
     """
     fft = grid.fft(made_in)
 

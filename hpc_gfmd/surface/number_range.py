@@ -1,8 +1,7 @@
 """Which precision can hold the numbers of a contact.
 
-The program's own units are of order one, the scene's may be anything. A field is stored in single
-precision only if that loses nothing: its largest value is finite, and the rounding error of its
-typical value is still a normal number. Units beyond double precision are refused.
+A field is stored in single precision if its largest value stays finite and the rounding error of
+its typical value is a normal number; units beyond double precision are refused.
 """
 
 from __future__ import annotations
@@ -30,12 +29,9 @@ def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
 
 
 def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
-    """Choose the dtype in which to store a field in the scene's units, double if `dtype` cannot
-    hold it.
-
-    The bounds: no point carries more than N p_mean (a pressure whose p_mean is not positive gets
-    float64); heights with rms slope 1 per point differ by less than N; a displacement is less than
-    N times that.
+    """Return the dtype to store a field in the scene's units, double if `dtype` cannot hold it.
+    Bounds: N p_mean for pressures (double if not above 0), N for heights of rms slope 1, N^2 for
+    displacements.
     """
     of_pressure = name == "pressure"
     N = surface.grid.N
@@ -51,9 +47,7 @@ def single_solves(p_star: float, N: int) -> bool:
 
 
 def require_range(E_star: float, surface: Surface, pressures: Sequence[float]) -> None:
-    """Raise SceneError unless double precision holds the program's units and the mean pressures
-    (not 0) of the contacts.
-    """
+    """Raise SceneError unless double precision holds the program's units and these pressures."""
     unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
     for quantity, value in [
         ("E_star*g_rms", unit),

@@ -11,11 +11,8 @@ UNWRITTEN = 15 * 2.0**119  # NetCDF's number where nothing was written
 
 
 def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function that converts stored numbers of a variable to heights, nan where missing or
-    outside of the valid range.
-
-    Used are the attributes PACKING and `_Unsigned`, in any case. Raises ValueError if one is not a
-    number.
+    """Return what converts stored numbers to heights, by the attributes PACKING and `_Unsigned`;
+    nan where missing or out of the valid range.
     """
     by_name = {name.lower(): value for name, value in attributes.items()}
     numbers = {name: _numbers(name, by_name[name]) for name in PACKING if name in by_name}
@@ -45,10 +42,8 @@ def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray
 
 
 def _in_type(values: np.ndarray, dtype: np.dtype) -> np.ndarray:
-    """Return values as they would be after being stored in a dtype, as float64.
-
-    They are rounded to floating-point types; in unsigned types negative values become those with
-    the same bits. Infinite values, and those that do not fit, stay.
+    """Return values as float64 after being stored in a dtype, unsigned by their bits; infinite ones
+    and those that do not fit stay.
     """
     if dtype.kind == "f":
         with np.errstate(over="ignore"):
@@ -67,9 +62,7 @@ def _numbers(name: str, value: Any) -> np.ndarray:
 
 
 def _text(value: Any) -> str:
-    """Return the text of an attribute that is a single text or number, "" for an array of another
-    size, "None" without it.
-    """
+    """Return an attribute that is one text or number as text, "" for arrays, "None" without it."""
     array = np.ravel(value)
     text = array[0] if array.size == 1 else ""
     return text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)

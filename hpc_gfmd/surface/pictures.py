@@ -1,6 +1,4 @@
-"""Heights as pictures, TIFF and PNG: whole numbers stand for a range of heights that the scene
-gives; numbers with decimals (TIFF) are heights.
-"""
+"""Heights as TIFF and PNG: whole numbers span spec.height_range, decimals (TIFF) are heights."""
 
 from typing import Any
 from xml.etree import ElementTree
@@ -25,22 +23,15 @@ _ALLOWED = (
 
 
 def read_png(contents: Contents, spec: Any) -> Map:
-    """Read a PNG, x to the right, y down, nan at the numbers that spec.missing lists.
-
-    spec.height_range gives the heights of the lowest and the highest number that the type can hold.
-    Raises ValueError without it, and for colours.
-    """
+    """Read a PNG, x right, y down, nan at spec.missing; needs spec.height_range."""
     z = _grey(contents)
     return _heights(z, np.isin(z, missing_numbers(spec, contents.path)), spec, ())
 
 
 def read_tiff(contents: Contents, spec: Any) -> Map:
-    """Read a TIFF, x to the right, y down, nan where a mask, a tag of GDAL or spec.missing says so.
-
-    If SurfaceTopography finds sizes or a unit in it, its reading is returned. Else missing numbers
-    are compared as they are stored; then GDAL's scale and offset are applied, after which numbers
-    count as decimals. Whole numbers need spec.height_range, as for `read_png`. Raises ValueError
-    for colours, several pictures or one that is stored turned.
+    """Read a TIFF, x right, y down, nan where a mask, GDAL or spec.missing says so.
+    SurfaceTopography reads it if it finds sizes or a unit; missing numbers count as stored, before
+    GDAL's scale and offset, which make decimals.
     """
     if (scan := instruments.recognised(contents, spec)) is not None:
         return scan
@@ -78,11 +69,8 @@ def read_tiff(contents: Contents, spec: Any) -> Map:
 
 
 def _heights(z: np.ndarray, holes: np.ndarray, spec: Any, scaled: tuple) -> Map:
-    """Convert the numbers z (n_y, n_x) of a picture, with holes, to heights (n_x, n_y) and
-    metadata.
-
-    scaled: (scale, offset) that were applied to z before, for a remark, or (). Raises ValueError if
-    z has colours, or if spec.height_range does not suit its type.
+    """Convert numbers z (n_y, n_x) with holes to heights (n_x, n_y) and metadata; scaled: (scale,
+    offset) that were applied, for a remark, or ().
     """
     if z.ndim != 2:
         raise ValueError(f"found an array {z.shape} of {z.dtype}, allowed: {_ALLOWED}")
@@ -124,11 +112,7 @@ def _grey(contents: Contents) -> np.ndarray:
 
 
 def _unpacked(contents: Contents, page: Any) -> np.ndarray:
-    """Read the one picture of a packed TIFF by Pillow, in the type of numbers that the file names.
-
-    Raises ValueError if it has colours, if Pillow reads its numbers less exactly or as others, or
-    if it inverts them (0 stands for white).
-    """
+    """Read the picture of a packed TIFF by Pillow; ValueError if that would change its numbers."""
     from PIL import Image
 
     if page.photometric == _WHITE_IS_0:
@@ -154,11 +138,7 @@ def _numbers(text: Any) -> np.ndarray:
 
 
 def _scale_and_offset(text: Any) -> tuple[float, float]:
-    """Return the scale and offset of the heights in GDAL's metadata (XML), (1, 0) where it has
-    none.
-
-    Raises ParseError or ValueError if it is damaged.
-    """
+    """Return scale and offset in GDAL's metadata (XML), else (1, 0); ValueError if damaged."""
     text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
     scale = 1.0
     offset = 0.0

@@ -21,11 +21,8 @@ HINT = (
 
 
 def on_grid(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, tuple[float, float]]:
-    """Put points, given in any order, on a regular grid.
-
-    Returns heights of shape (n_x, n_y), nan at grid points that are not given, and (L_x, L_y), the
-    number of points times their distance. Raises ValueError if the points do not lie on a grid,
-    fill less than 1/SPARSE of it, or one is there twice.
+    """Put points on a regular grid: heights (n_x, n_y), nan where none, and the sizes (points times
+    distance). ValueError if they are on none, fill less than 1/SPARSE or repeat.
     """
     across = np.abs(np.ptp(y) * (x - x.min()) - np.ptp(x) * (y - y.min()))
     across_falling = np.abs(np.ptp(y) * (x - x.min()) - np.ptp(x) * (y.max() - y))
@@ -44,11 +41,8 @@ def on_grid(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, tu
 
 
 def _grid_lines(coordinates: np.ndarray) -> tuple[np.ndarray, int, float]:
-    """Find the evenly spaced lines on which points with these coordinates lie.
-
-    Returns the line of each point, from 0, the number of lines (with those on which no point lies),
-    and their distance. Coordinates may deviate by rounding to the digits that are written. Raises
-    ValueError unless at least two lines, and 1/SPARSE of all, have a point.
+    """Return the line of each point from 0, the number of evenly spaced lines, and their distance,
+    up to rounding of the written digits; at least 1/SPARSE of them must have a point.
     """
     values = np.unique(coordinates)
     if not np.isfinite(values).all() or values.size < 2:
@@ -105,8 +99,7 @@ class Labels(NamedTuple):
 
 
 def labels_of(sample: list[str], layout: TextLayout) -> Labels:
-    """Look for signs that the first line or column of a matrix is not heights, in the first lines
-    of a text."""
+    """Find signs that the first line or column of a matrix is not heights, in the first lines."""
     rows = [layout.tokens(line) for line in sample[layout.header_lines :] if line.strip()]
     rows = [row for row in rows if len(row) == layout.columns]
     corner: str | None = rows[0][0] if rows and not rows[0][0] else None
@@ -136,11 +129,8 @@ def labels_of(sample: list[str], layout: TextLayout) -> Labels:
 def without_coordinates(
     table: np.ndarray, labels: Labels, declared: str | None
 ) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None]:
-    """Return heights, coordinates of the lines (first column) and of the columns (first line).
-
-    `declared`: that the first line, the first column or both are coordinates, as the scene says;
-    None: the labels and even steps decide. Raises ValueError if that cannot be decided, or if
-    coordinates are not evenly spaced.
+    """Return heights, coordinates of the lines (first column) and columns (first line). declared:
+    which are coordinates; None: labels and even steps decide, or ValueError.
     """
     if declared is None:
         has_line, has_column = _has_coordinates(table, labels)
@@ -186,10 +176,8 @@ def _has_coordinates(table: np.ndarray, labels: Labels) -> tuple[bool, bool]:
 
 
 def _only_counts(table: np.ndarray, is_whole_line: bool, place: str) -> bool:
-    """Whether the first line only numbers the columns, from 0 on; for the first column: transposed.
-
-    is_whole_line: it has whole numbers and all others have decimals. Raises ValueError if the line
-    may be heights too.
+    """Whether the first line (column: transposed) only numbers the columns from 0; ValueError if it
+    may be heights too. is_whole_line: only it has whole numbers.
     """
     line = table[0]
     if len(table) < 3 or line.size < 3 or not changes_evenly(line):
@@ -218,10 +206,7 @@ def numbers_from_0(values: np.ndarray) -> bool:
 
 
 def _is_plane(table: np.ndarray) -> bool:
-    """Whether the values of a table lie on a plane, so that even steps do not show coordinates.
-
-    They may deviate by a tenth of the mean step along the axis on which it is larger.
-    """
+    """Whether values lie on a plane, to a tenth of a step: even steps then tell nothing."""
     lines, columns = (np.arange(n) / max(n - 1, 1) for n in table.shape)
     corner = table[0, 0]
     steps = [abs(table[-1, 0] - corner) / len(lines), abs(table[0, -1] - corner) / len(columns)]
@@ -232,10 +217,8 @@ def _is_plane(table: np.ndarray) -> bool:
 
 
 def _rounding(values: np.ndarray) -> np.ndarray:
-    """Return one unit of the last digit with which each coordinate was written, shape (points,).
-
-    All are taken to have as many decimals, or as many significant digits, as the one with the most,
-    whichever is coarser; 0 if one has more than 12 digits, and so was not rounded.
+    """Return one unit of the last digit of each coordinate, all with as many decimals or digits as
+    the longest, whichever is coarser; 0 for more than 12 digits.
     """
     written = [np.format_float_scientific(abs(value)).split("e") for value in values.tolist()]
     digits = np.array([len(mantissa.replace(".", "")) for mantissa, _ in written])

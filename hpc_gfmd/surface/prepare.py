@@ -1,9 +1,8 @@
-"""The preparation of a measured height map that the scene asks for.
+"""The preparation of a measured map that the scene asks for.
 
-The steps, in this order: crop, spikes, detrend (by the points that were measured), fill, flip,
-mirror or window, refine, downsample, and the form under the map. Each of two scans is filled before
-they are added, see two_scans.py. One process prepares the whole map, and each step makes a new
-array; a map in a file that needs no step is never read whole.
+Order: crop, spikes, detrend (by measured points), fill, flip, mirror or window, refine, downsample,
+form; two scans are filled before they are added. One process prepares the whole map; a map in a
+file that needs no step is never read whole.
 """
 
 from dataclasses import replace
@@ -28,11 +27,7 @@ POWERS = {
 
 
 def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return points and sizes of what `prepare` will make of a Topography, without reading heights.
-
-    Raises SceneError if the cropped part is not within the map, or downsample does not divide its
-    points.
-    """
+    """Return points and sizes of what `prepare` will make, without reading heights."""
     topography = _cropped(topography, spec) if spec.crop else topography
     topography = mirrored(topography, spec.mirrored)
     n_x, n_y = (k * spec.refine for k in topography.n)
@@ -56,12 +51,7 @@ def asks_for_preparation(spec: Any) -> bool:
 
 
 def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography:
-    """Prepare a height map as the scene asks for, on one process; if `look`, with notes on its
-    quality, too.
-
-    Raises SceneError if the scene still has to say how holes are filled, or what is beyond the
-    edges.
-    """
+    """Prepare a map as the scene asks for, on one process, with notes on its quality if `look`."""
     if topography.bodies:
         topography = _of_filled_scans(topography, spec)
     size, _ = prepared_size(topography, spec)
@@ -132,10 +122,7 @@ def map_quality(topography: Topography) -> MapQuality:
 
 
 def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarning]:
-    """Return notes on the edges of a map, what is filled and, if `look`, its quality.
-
-    Raises SceneError if neither scene nor file gives the boundary and opposite edges do not meet.
-    """
+    """Return notes on edges, filling and, if `look`, quality; SceneError without a boundary."""
     edges = map_edges(topography)
     has_window = spec.window != "none"
     is_told = has_window or spec.boundary is not None or topography.periodic
@@ -156,10 +143,7 @@ def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarni
 
 
 def _of_filled_scans(topography: Topography, spec: Any) -> Topography:
-    """Fill the holes of the two scans in topography.bodies and return their sum.
-
-    The sum has a note on each interpolated scan that does not resolve its own roughness.
-    """
+    """Fill the scans in topography.bodies and add them, with notes on unresolved roughness."""
     scans = filled(topography.bodies[0], spec.fill), filled(topography.bodies[1], spec.fill)
     total = combined(scans, spec)
     notes = [
@@ -175,10 +159,7 @@ def _of_filled_scans(topography: Topography, spec: Any) -> Topography:
 
 
 def _cropped(topography: Topography, spec: Any) -> Topography:
-    """Return the part of the map within spec.crop, rounded to grid points, or raise SceneError.
-
-    It counts as periodic only if the whole map is kept.
-    """
+    """Return the map within spec.crop, rounded to grid points; periodic only if all is kept."""
     ends = []
     for axis in (0, 1):
         step = topography.sizes[axis] / topography.n[axis]
@@ -209,11 +190,7 @@ def _cropped(topography: Topography, spec: Any) -> Topography:
 
 
 def _detrended(topography: Topography, trend: str) -> Topography:
-    """Subtract the polynomial ("mean", "tilt": plane, "curvature": second degree) that fits the
-    measured heights best.
-
-    After the last two it is open whether the map is periodic, even if its file says so.
-    """
+    """Subtract the best "mean", "tilt" or "curvature"; after the latter two the period is open."""
     z = topography.heights()
     is_measured = np.isfinite(z)
     if not is_measured.any():
@@ -265,12 +242,7 @@ def mirrored(topography: Topography, along: tuple[bool, bool]) -> Topography:
 
 
 def _windowed(topography: Topography, name: str) -> Topography:
-    """Return the map, of mean 0, times a window that falls to 0 at the edges, which makes it
-    periodic.
-
-    name: a window of scipy.signal.windows, the same along x and y. A note says what it does to
-    h_rms and g_rms.
-    """
+    """Return the map, of mean 0, times a window that makes it periodic, and a note on that."""
     from scipy.signal.windows import get_window
 
     w_x, w_y = (get_window(name, n) for n in topography.n)

@@ -1,7 +1,5 @@
-"""What the statistics of a height map say about it, and whether opposite edges meet.
-
-Edges are looked at before every solve, by a few rows alone. The other statistics are for a person
-who reads or prepares a map.
+"""What the statistics of a map say about it, and whether opposite edges meet; only the edges, a few
+rows, are looked at before every solve.
 """
 
 from collections.abc import Sequence
@@ -202,10 +200,8 @@ def _sums(z: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], float, np.ndarr
 
 
 def _differences(z: np.ndarray, lag: int) -> tuple[float, float, float]:
-    """Return medians of differences along the first axis, 0 where there are none.
-
-    They are those to the next point and to the second next one, without sign and without zeros, and
-    those to the point `lag` further, with their sign.
+    """Return medians along the first axis of |differences| to the next and second next point,
+    without zeros, and of signed ones to the point `lag` further; 0 where there are none.
     """
     every_row, every_column = (max(n // LATTICE, 1) for n in z.shape)
     columns = z[:, ::every_column]
@@ -241,10 +237,7 @@ def per_cent(share: float) -> str:
 def window_notes(
     before: MapQuality, after: MapQuality, kept: float, name: str
 ) -> list[SurfaceWarning]:
-    """Return a note on what a window did to a map, none if h_rms and g_rms hardly change.
-
-    kept: share of the area in which the window is more than 1/2.
-    """
+    """Return a note on a window that changes h_rms or g_rms; kept: area share where it is > 1/2."""
 
     def change(old: float, new: float) -> float:
         return abs(new / old - 1) if old else 0.0
@@ -260,8 +253,8 @@ def window_notes(
 
 
 def outliers(z: np.ndarray, typical: float) -> int:
-    """Count points that are farther from the median of their eight neighbours than DOUBT.outlying
-    times the typical difference between neighbours; 0 for fewer than three rows or columns.
+    """Count points farther from the median of eight neighbours than DOUBT.outlying times the
+    typical difference; 0 for fewer than three rows or columns.
     """
     if min(z.shape) < 3:
         return 0

@@ -1,7 +1,5 @@
-"""Resampling of a map by its Fourier series; with fewer points the shortest waves are lost.
-
-Along an axis with free edges it is the series of cosines, that of the map with its mirror image,
-which has no jump at the edge.
+"""Resampling by Fourier series, of cosines along free axes, which have no jump at the edge; with
+fewer points the shortest waves are lost.
 """
 
 import numpy as np

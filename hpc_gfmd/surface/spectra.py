@@ -183,10 +183,7 @@ class Spectrum:
 
 
 def in_metres(q: np.ndarray, C: np.ndarray, dimension: int, unit: str) -> Spectrum:
-    """Return the spectrum of a table, in metres if that has a unit.
-
-    dimension: 2 for C of areas; with 1, that of profiles, C is in length^3.
-    """
+    """Return the spectrum of a table, in m if it has a unit; dimension 1: C of profiles."""
     size = factor(unit) if unit else 1.0
     return Spectrum(q / size, C * size ** (2 + dimension), "m" if unit else "")
 
@@ -213,13 +210,11 @@ def require_rows(q: np.ndarray, C: np.ndarray, where: str = "surface", of: str =
 
 
 def of_isotropic_surface(profiles: Spectrum) -> Spectrum:
-    """Return the spectrum, at the same q, of the isotropic surface whose profiles have a given one
-    (C in unit^3).
+    """Return the spectrum of the isotropic surface whose profiles have C1 (h_rms^2 = (1/pi) int C1
+    dq).
 
-    C(q) = -2 integral from q to infinity of dC1/dq' / sqrt(q'^2 - q^2) dq', where C1 is that of the
-    profiles, h_rms^2 = (1/pi) times the integral of C1 dq (Jacobs, Junge & Pastewka 2017). Beyond
-    its last row C1 is taken to go on with the last power law. Raises SceneError if C1 rises, or
-    does not fall at its end, which no isotropic surface shows.
+    C(q) = -2 int_q^inf dC1/dq' / sqrt(q'^2 - q^2) dq' (Jacobs, Junge & Pastewka 2017), with the
+    last power law beyond the last row. SceneError if C1 rises, or does not fall at its end.
     """
     from scipy.special import beta, betainc
 

@@ -22,10 +22,7 @@ NO_LAWS = (0.0, 0.0, *[np.empty(0)] * 4)
 
 
 def spectrum_modes(spec: Any, comm: Any) -> Modes:
-    """Return the modes of a [surface] of kind "spectrum". Collective.
-
-    Raises SceneError on all ranks if the spectrum cannot be read, or does not fit to the grid.
-    """
+    """Return the modes of a [surface] of kind "spectrum". Collective."""
     spectrum = on_rank_0(comm, "reading the spectrum", lambda: _read(spec))
     of_uniform = 1.5 / np.prod(spec.physical_sizes)  # uniform numbers have the variance 1/3
     scale = spec.physical_sizes[0] / (2 * np.pi)  # from q to periods along x
@@ -89,10 +86,7 @@ def _read(spec: Any) -> Spectrum | DirectionalSpectrum:
 
 
 def isotropic_spectrum(spec: Any) -> Spectrum:
-    """Return the spectrum of a scene's [surface], without the waves that are left out.
-
-    Raises SceneError if it cannot be read, or has a unit and the sizes have none, or the reverse.
-    """
+    """Return the spectrum of a [surface], without the waves that are left out."""
     if spec.wavelengths is not None:
         q = 2 * np.pi / np.array(spec.wavelengths, float)
         falls = np.cumsum((2 + 2 * np.array(spec.hurst)) * np.diff(np.log(q)))

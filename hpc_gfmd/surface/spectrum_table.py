@@ -22,12 +22,8 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?|[-+]?(nan|inf)", r
 def read_spectrum_table(
     path: Any, unit: str | None, dimension: int | None
 ) -> tuple[np.ndarray, np.ndarray, int, str]:
-    """Read q (1/unit), C (unit^4, of profiles unit^3), dimension and unit ("" without) of a table
-    of a power spectrum.
-
-    Columns beyond the first two are ignored, as is a row q = 0, the mean height. unit, dimension (2
-    for C of areas, 1 for C of profiles): if the head does not have them. Raises SceneError if the
-    table cannot be read, is no spectrum, or contradicts them.
+    """Return q (1/unit), C (unit^4, of profiles unit^3), dimension and unit of the first two
+    columns of a table; q = 0 is ignored. unit, dimension: if the head has none.
     """
     head, rows = _head_and_rows(path)
     q, C = rows[rows[:, 0] != 0].T
@@ -107,10 +103,7 @@ def _head_and_rows(path: Any) -> tuple[str, np.ndarray]:
 
 
 def _cells(line: str) -> list[str]:
-    """Return the cells of a line of numbers with decimal points.
-
-    Commas within what semicolons, tabs or spaces part are decimal ones.
-    """
+    """Return the cells of a line; commas inside cells of another separator are decimal ones."""
     parts = re.split(r"[;\t]", line) if re.search(r"[;\t]", line.strip()) else line.split()
     parts = [part.strip(" ,") for part in parts]
     parts = [part for part in parts if part]

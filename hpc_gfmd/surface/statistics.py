@@ -27,11 +27,8 @@ class Roughness:
 
 
 def rms(grid: Grid, fill: Any) -> tuple[float, float]:
-    """Compute rms height and slope (per grid spacing a) of a periodic field from its spectrum.
-
-    h_rms^2 = sum_{q != 0} |h_q|^2, g_rms^2 = sum_q q^2 |h_q|^2. Takes half an FFT pair of the grid
-    in double precision. fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab into x, on
-    several threads at once. Collective.
+    """Return rms height and slope (per spacing a) of a periodic field: sums of |h_q|^2 and q^2
+    |h_q|^2, half an FFT pair in double. fill(i0, i1, x) writes local rows, on threads. Collective.
     """
     fft = grid.fft(np.float64)
     fft.forward_rows(fill)
@@ -40,11 +37,8 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
 
 
 def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
-    """Compute rms height and slope (per grid spacing a) from differences between neighbours, not
-    across free edges.
-
-    fill(i0, i1, x) puts rows of this rank's slab, of a field with mean 0, into x; called once.
-    Collective.
+    """Return rms height and slope (per spacing a) by neighbours, not across free edges. Collective.
+    fill(i0, i1, x) writes local rows of a field of mean 0; it is called once.
     """
     x = np.empty(grid.shape)
     fill(0, len(x), x)
@@ -68,12 +62,10 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
 
 
 def roughness_of_columns(grid: Grid, fft: Any, make: Any) -> Roughness:
-    """Compute the roughness, in the unit of the field and the spacing a, from the columns of a
-    spectrum.
+    """Return the roughness, in the field's unit and a, from columns of a spectrum. Collective.
 
-    make(block, m) puts h_q, in the normalisation of the grid, into block m of the columns, which is
-    0 before, on several threads at once; afterwards fft holds the rows of the field, ready for
-    backward_rows. None: fft holds the rows that forward_rows has transformed. Collective.
+    make(block, m) writes h_q into a block of zeros, on threads; then fft holds rows for
+    backward_rows. Without it fft holds what forward_rows has transformed.
     """
     q_x = grid.q_x.astype(fft.dtype)
     q_y, weight = grid.once(("columns", fft.dtype), lambda: grid.column_tables(fft))

@@ -34,11 +34,8 @@ AGREE = 1e-3  # relative difference of sizes that are the same
 
 
 def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
-    """Read a map, or two scans, whole, on this process, and suggest keys of [surface] for it,
-    beside user_keys.
-
-    make: takes a dict of keys of [surface], without path or bodies, and returns a scene.File.
-    Raises SceneError if a file cannot be read, or if the user sets other sizes than the file says.
+    """Read a map or two scans whole, on this process, and suggest keys of [surface] beside
+    user_keys. make(keys) returns a scene.File.
     """
     spec = make(user_keys)
     if spec.bodies:
@@ -75,10 +72,7 @@ def _opened(spec: File) -> tuple[Topography, list[str]]:
 
 
 def _of_two_scans(spec: File, make: Callable[[dict], File], user_keys: dict) -> Suggestion:
-    """Return the Suggestion for two scans, which are only opened if a key is missing.
-
-    make, user_keys: as for `suggestion`.
-    """
+    """Return the Suggestion for two scans, which are only opened if a key is missing."""
     scans = [_opened(of_body) for of_body in specs_of_bodies(spec)]
     missing = list(dict.fromkeys(key for _, keys in scans for key in keys))
     units = {scan.unit for scan, _ in scans}
@@ -97,11 +91,7 @@ def _of_two_scans(spec: File, make: Callable[[dict], File], user_keys: dict) -> 
 
 
 def _about(topography: Topography, missing: list[str], user_keys: dict) -> list[str]:
-    """Return lines on what was read: points, sizes, unit, format, direction, channel, remarks.
-
-    missing: keys that have to be given. user_keys: as for `suggestion`; its unit is shown if the
-    file has none.
-    """
+    """Return lines on what was read, and on what is missing."""
     metadata = topography.metadata
     sizes = "of sizes that the file does not say"
     if "physical_sizes" not in missing:
@@ -143,12 +133,7 @@ def _direction(topography: Topography) -> str:
 def _require_agreement(
     sizes: tuple[float, ...], unit: str | None, topography: Topography, user_keys: dict
 ) -> None:
-    """Raise SceneError if the user sets other sizes than the file says (`sizes`, `unit`), by more
-    than 0.1 %.
-
-    topography: opened with the keys of the user. They are not compared if only one of them has a
-    unit.
-    """
+    """Raise SceneError if the user's sizes differ by more than 0.1 % from those of the file."""
     wanted = user_keys.get("physical_sizes")
     if wanted is None:
         return
@@ -163,11 +148,7 @@ def _require_agreement(
 
 
 def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> None:
-    """Add to result, as a comment, the downsampling that removes waves made by the instrument, if
-    known.
-
-    It is the smallest factor that divides the points and keeps no shorter wave.
-    """
+    """Suggest, as a comment, the smallest downsampling without waves made by the instrument."""
     with suppress(Exception):  # of a file that SurfaceTopography does not read
         contents = contents_of(Path(str(spec.path)))
         scan = instruments.topography_of_channel(contents, spec.dataset)
@@ -195,12 +176,8 @@ def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
 def _by_heights(
     result: Suggestion, make: Callable[[dict], File], user_keys: dict, metadata: Metadata
 ) -> None:
-    """Read and prepare the map, and add to result the keys and lines that its heights suggest.
-
-    Keys that the user has not set may be added: fill if heights are missing, detrend if they are
-    mostly tilt, and boundary = "mirror" if opposite edges do not meet, the file does not say that
-    the map is periodic, and the user has set no window. metadata: what the file says of sizes and
-    boundary.
+    """Suggest by the prepared heights what the user has not set: fill, detrend if mostly tilt, and
+    boundary "mirror" if edges do not meet and neither period nor window is given.
     """
     values = result.values
     why = result.why

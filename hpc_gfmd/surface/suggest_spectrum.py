@@ -14,10 +14,7 @@ POINTS = 512  # along an axis of the scene
 
 
 def spectrum_suggestion(path: str, folder: Path, user_keys: dict[str, Any]) -> Suggestion:
-    """Read a table and suggest keys of [surface] for it: a cell as long as its longest wave.
-
-    folder: of the scene, from which the path in the scene counts.
-    """
+    """Suggest keys for a table of a spectrum: a cell as long as its longest wave."""
     q, C, dimension, unit = read_spectrum_table(
         path, user_keys.get("unit"), user_keys.get("dimension")
     )

@@ -19,8 +19,8 @@ class Surface:
     # Along an axis with free edges it is longer than the surface, see cell.py. For a surface that
     # varies along one axis only it has one point along the other, and every rank holds all of it.
     grid: Grid
-    # Initial gap in units of g_rms a, >= 0 with minimum 0: this rank's part of the nominal area of
-    # `grid`. None after it has been handed over.
+    # Initial gap in units of g_rms a, minimum 0, local slab of the nominal area; None once handed
+    # over.
     h: np.ndarray | None
     n: tuple[int, ...]  # points along x and y as the scene gives them
     h_rms: float  # realised rms height, in the scene's units

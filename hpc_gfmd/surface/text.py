@@ -1,7 +1,4 @@
-"""Heights as text: matrices, or points with columns x, y and z, with or without a header.
-
-Every number is accounted for; otherwise the text is refused.
-"""
+"""Heights as text, matrices or points in columns; a text with unexplained numbers is refused."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -31,10 +28,8 @@ class Block(NamedTuple):
 
 
 def read(contents: Contents, spec: Any) -> Map:
-    """Read a text whole; `spec` is a scene.File.
-
-    A matrix is taken as numpy.savetxt writes it: its first index, the line, is x, unless the header
-    says otherwise. Raises ValueError that names what is wrong, and in which line.
+    """Read a text whole; a matrix as numpy.savetxt writes it (lines are x) unless the header
+    differs. ValueError names what is wrong and in which line.
     """
     data = _as_utf8(contents.read())
     stream = BytesIO(data)
@@ -111,10 +106,7 @@ def _as_utf8(data: bytes) -> bytes:
 
 
 def _blocks(body: bytes, title: list[str], layout: TextLayout) -> list[Block]:
-    """Return the blocks of numbers that blank lines or comments separate; one if all have one line.
-
-    Raises ValueError that names the first line that does not obey the layout.
-    """
+    """Return the blocks between blank lines or comments (one if all have one line)."""
     first_line = layout.header_lines + 1
     table = _plain_table(body, layout)
     if table is not None:
@@ -242,11 +234,8 @@ def _titled(blocks: list[Block]) -> bool:
 
 
 def _one_of(blocks: list[Block], layout: TextLayout, spec: Any) -> Map:
-    """Return one map of a text with several blocks of numbers.
-
-    Every block needs the header of an instrument, and those of heights are channels: the map is the
-    channel that spec.dataset names, or the first one. Raises ValueError if there is none, or if a
-    block has another header: it may belong to the one before it.
+    """Return the channel spec.dataset, or the first, of several blocks, each of which needs an
+    instrument's header: otherwise it may continue the block before.
     """
     places = ", ".join(
         f"{len(block.table)} from line {block.first_line} on" for block in blocks[:4]
@@ -276,11 +265,7 @@ def _one_of(blocks: list[Block], layout: TextLayout, spec: Any) -> Map:
 
 
 def _of_instrument(block: Block, layout: TextLayout, spec: Any) -> Map | None:
-    """Read a block with a header of an instrument; None if the header is not one that is known.
-
-    Raises ValueError if the header describes another quantity than heights or other numbers of
-    points.
-    """
+    """Read a block with a known instrument's header, else None; ValueError if they contradict."""
     title = block.header
     if layout.decimal == ",":
         title = [line.replace(",", ".") for line in title]
@@ -295,10 +280,8 @@ def _of_instrument(block: Block, layout: TextLayout, spec: Any) -> Map | None:
 def _matrix_or_points(
     block: Block, layout: TextLayout, title: list[str], sample: list[str], spec: Any
 ) -> Map:
-    """Read a block of numbers whose columns have no names.
-
-    In this order it is taken as an ESRI grid, as the map of an instrument, as points with columns
-    x, y and z, and as a matrix, with or without coordinates. Raises ValueError if it is none.
+    """Read a block without names: as ESRI grid, map of an instrument, points x, y, z or a matrix,
+    in this order, or raise ValueError.
     """
     table = block.table
     missing = header.missing_numbers(title)

@@ -73,10 +73,8 @@ class Topography:
         return replace(self, prepared=(*self.prepared, step), **changes)
 
     def on_form(self, radii: tuple[float, ...]) -> Self:
-        """Return a copy with the heights of a paraboloid added, z = -x^2/(2 R_x) - y^2/(2 R_y)
-        about the point (n_x // 2, n_y // 2).
-
-        radii: in the unit of `sizes`; inf means straight.
+        """Return a copy on the paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about (n_x // 2, n_y //
+        2); radii in the unit of `sizes`, inf is straight.
         """
         R = min(radii)
         if R == inf:
@@ -102,11 +100,7 @@ class Topography:
 
 
 def open_topography(spec: Any) -> Topography:
-    """Open the height map of a scene, or the sum of two; heights are read later, by `rows`.
-
-    Raises SceneError if a file cannot be read, if scene and file contradict each other or lack
-    sizes or units, or if two maps do not fit together.
-    """
+    """Open the map of a scene, or the sum of two; heights are read later, by `rows`."""
     if spec.bodies:
         scans = [topography_of(*open_map(body), body) for body in specs_of_bodies(spec)]
         return combined(placed((scans[0], scans[1]), spec), spec)
@@ -125,10 +119,8 @@ def specs_of_bodies(spec: Any) -> list[Any]:
 
 
 def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
-    """Make the Topography of a height map, with what a scene says of it; heights are read later.
-
-    Raises SceneError if scene and file contradict each other or lack sizes or units, or sizes are
-    not positive; its `rows` if reading fails or heights are too large.
+    """Make the Topography of a map with what a scene says of it; its `rows` raise SceneError if
+    reading fails or heights are too large.
     """
     path = Path(spec.path)
     metadata = _with_first_axis(metadata, spec)
@@ -167,11 +159,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
 
 
 def _sum(lower: Topography, upper: Topography) -> Topography:
-    """Return the sum of two maps of the same points, with the metadata of `lower` and the notes of
-    both.
-
-    Raises SceneError if they differ in numbers of points, lengths or unit.
-    """
+    """Return the sum of two maps of equal points, lengths and unit, with metadata of `lower`."""
     if (
         lower.n != upper.n
         or lower.unit != upper.unit
@@ -196,9 +184,7 @@ def _sum(lower: Topography, upper: Topography) -> Topography:
 
 
 def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
-    """Return metadata with the direction of x that the scene's first_axis gives, if it is given:
-    sizes and directions of the axes are exchanged if the file takes the other axis for x.
-    """
+    """Return metadata with the scene's first_axis; axes are exchanged if the file's x differs."""
     if spec.first_axis is None:
         return metadata
     transposed = spec.first_axis == "y"
@@ -217,10 +203,7 @@ def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
 
 
 def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> np.ndarray:
-    """Read rows start <= i < stop of heights: float64, x and y rising, nan where missing.
-
-    metadata: that of the file, with what the scene says of the axes.
-    """
+    """Read rows start <= i < stop of heights: float64, x and y rising, nan where missing."""
     begin, end = (n_x - stop, n_x - start) if metadata.falling[0] else (start, stop)
     z = data[:, begin:end].T if metadata.transposed else data[begin:end, :]
     z = np.asarray(np.ma.filled(np.ma.asarray(z, dtype=np.float64), np.nan))
@@ -236,11 +219,7 @@ def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> 
 def _notes_on_reading(
     metadata: Metadata, spec: Any, n: tuple[int, ...]
 ) -> Iterator[ReadingWarning]:
-    """Yield notes for the user on how a file was read.
-
-    They are remarks of the reader, the choice among several channels, and the direction of x if the
-    file does not give it and the map is not square.
-    """
+    """Yield notes on how a file was read: remarks, which channel, x of unknown direction."""
     for remark in metadata.remarks:
         yield ReadingWarning(f"{spec.path}: {remark}")
     if metadata.other_channels and spec.dataset != metadata.channel:

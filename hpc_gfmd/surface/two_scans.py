@@ -1,8 +1,7 @@
-"""Two scans on one grid: the points of the finer scan in the window that both cover.
+"""Two scans on the grid of the finer one, in the window that both cover.
 
-Heights of the coarser scan are interpolated by cubic splines, natural where the scan ends. Halfway
-between the points they miss a wave of 8 points by 0.2 % of its amplitude, one of 4 points by 3 %
-and one of 3 points by 12.5 %.
+The coarser one is interpolated by cubic splines, natural at its ends; halfway between points they
+miss 0.2 % of a wave of 8 points, 3 % of 4 points, 12.5 % of 3 points.
 """
 
 from dataclasses import dataclass, replace
@@ -57,11 +56,8 @@ class Axis:
 
 
 def placed(scans: tuple[Any, Any], spec: Any) -> tuple[Any, Any]:
-    """Return copies of two scans, flipped, mirrored and shifted (`origin`) as a scene asks for; no
-    height is read.
-
-    Unless spec.bodies says otherwise the second scan is mirrored along x, since it faces the first
-    one. Raises SceneError if a shift has a unit and the map has none.
+    """Return two scans, flipped, mirrored and shifted (`origin`), unread; unless spec.bodies says
+    otherwise the second is mirrored along x, since it faces the first.
     """
     places = []
     for k, (scan, body) in enumerate(zip(scans, spec.bodies)):
@@ -90,11 +86,8 @@ def _mirrored(scan: Any, axis: str) -> Rows:
 
 
 def combined(scans: tuple[Any, Any], spec: Any) -> Any:
-    """Add two scans, each at its `origin`, on a common grid; no height is read.
-
-    Along an axis that is periodic, by the scene's boundary or else by both files, scans of equal
-    length are added over their whole period, otherwise where they overlap. Raises SceneError if
-    they do not overlap, or only one has a unit.
+    """Add two scans at their `origin` on a common grid, unread: over the whole period along
+    periodic axes of equal length, elsewhere where they overlap.
     """
     lower, upper = scans
     if lower.unit != upper.unit:
@@ -167,12 +160,8 @@ def _spacings(scan: Any) -> tuple[float, ...]:
 
 
 def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis, Axis]:
-    """Return how the common grid lies along axis 0 or 1 of the first and of the second scan, or
-    raise SceneError.
-
-    The grid has the points of the finer scan, the first one if both are equal. repeats: whether the
-    surface is periodic along the axis; only scans of equal length are then added over a whole
-    period.
+    """Return how the finer scan's grid lies along an axis of each scan; repeats: a periodic axis,
+    over the whole period if lengths are equal.
     """
     n = [scan.n[axis] for scan in scans]
     sizes = [scan.sizes[axis] for scan in scans]

@@ -1,5 +1,6 @@
-"""Theory to compare with: Persson's theory, exact elastic solutions, adhesive contacts, leak rates,
-corrections to the thermodynamic, fractal and continuum limits. NumPy and SciPy only."""
+"""Theory to compare with (NumPy and SciPy only): Persson's, exact elastic and adhesive contacts,
+leak rates, corrections to the thermodynamic, fractal and continuum limits.
+"""
 
 import lazy_loader
 

@@ -1,7 +1,5 @@
-"""Whether a ball or a rough wall sticks: Tabor's parameter, and Pastewka and Robbins' criterion.
-
-`w` is the work of adhesion per area, in the unit of E_star times that of length. Numbers out of
-range raise SceneError.
+"""Whether a ball or a rough wall sticks: Tabor's parameter, Pastewka and Robbins' criterion. `w` is
+the work of adhesion per area, in the unit of E_star times length.
 """
 
 import numpy as np

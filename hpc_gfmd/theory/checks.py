@@ -9,10 +9,7 @@ from ..util.errors import SceneError
 def within(
     name: str, value: ArrayLike, low: float, high: float, open_low: bool = False
 ) -> np.ndarray:
-    """Return numbers as a float array; raise SceneError unless all are finite and in the interval.
-
-    Both ends belong to it, but for `low` with open_low. `name` begins the message.
-    """
+    """Return numbers as a float array; SceneError unless all are finite and in the interval."""
     try:
         x = np.asarray(value, dtype=float)
     except (TypeError, ValueError):

@@ -37,10 +37,7 @@ class Hertz:
         self.approach = self.a**2 / R
 
     def pressure(self, r: ArrayLike) -> np.ndarray:
-        """Compute the pressure at the distance r from the axis, 0 outside of the contact.
-
-        nan at r = 0 if the force is 0.
-        """
+        """Compute the pressure at the distance r from the axis; nan at r = 0 without force."""
         return self.peak_pressure * np.sqrt(np.maximum(1 - (np.asarray(r) / self.a) ** 2, 0))
 
 
@@ -74,10 +71,7 @@ class HertzLine:
         self.peak_pressure = modulus * self.a / (2 * radius)
 
     def pressure(self, x: ArrayLike) -> np.ndarray:
-        """Compute the pressure at the distance x from the middle of the strip, 0 outside of it.
-
-        nan at x = 0 if the force is 0.
-        """
+        """Compute the pressure at the distance x from the middle; nan at x = 0 without force."""
         return self.peak_pressure * np.sqrt(np.maximum(1 - (np.asarray(x) / self.a) ** 2, 0))
 
 
@@ -127,10 +121,7 @@ class Westergaard:
         self.compliance = np.where(x > 0, -A / self.p_full * log, np.inf) + 0.0
 
     def pressure(self, x: ArrayLike) -> np.ndarray:
-        """Compute the pressure at the positions x, 0 where the gap is open.
-
-        The wave must have been made with numbers, not arrays. Its crest is at x = 0.
-        """
+        """Compute the pressure at x (crest at 0), of a wave made with numbers, not arrays."""
         phase = np.pi * np.asarray(x) / self.L
         if self._ratio >= 1:
             return self.p0 + self.p_full * np.cos(2 * phase)

@@ -22,10 +22,11 @@ def energy_fraction(x: np.ndarray, gamma: float) -> np.ndarray:
 
 
 def gap_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
-    """Return F(x) = gamma E1(x^2) + c (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, x > 0.
+    """Return F(x) = gamma E1(x^2) + c (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, x > 0, to
+    1e-12.
 
     c is 6, or 3 if `printed`, as in the published equation, where E1(x^2) = 2 int_1^inf exp(-t^2
-    x^2) dt/t was used in the first term only. The relative error is below 1e-12.
+    x^2) dt/t was used in the first term only.
     """
     return gamma * exp1_of_square(x) + _SECOND_TERM[printed] * (1 - gamma) * erf2_integral(x)
 
@@ -44,10 +45,7 @@ def exp1_of_square(x: np.ndarray) -> np.ndarray:
 
 
 def erf2_integral(x: np.ndarray) -> np.ndarray:
-    """Compute I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v for x >= 0; x > 28 is taken as 28.
-
-    With v = tx it equals int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t.
-    """
+    """Compute I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v for x >= 0; x > 28 is taken as 28."""
     x = np.minimum(x, X_ZERO)
     low = np.exp(-x * x) * _scaled()(np.minimum(x, _X_ONE))
     return np.where(x < _X_ONE, low, exp1(np.maximum(x, _X_ONE) ** 2) / 2)
@@ -55,10 +53,8 @@ def erf2_integral(x: np.ndarray) -> np.ndarray:
 
 @cache
 def _scaled() -> Chebyshev:
-    """Return the interpolant of exp(x^2) I(x) (see `erf2_integral`) on [0, 6].
-
-    erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2) turns it into a smooth integral over
-    E1.
+    """Return the interpolant of exp(x^2) erf2_integral(x) on [0, 6], by a smooth integral over E1:
+    erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2).
     """
     s, w = np.polynomial.legendre.leggauss(24)
     s2 = ((s + 1) / 2) ** 2

@@ -1,5 +1,4 @@
-"""Persson's contact mechanics theory: contact area, pressure distribution, mean gap, stiffness,
-energy.
+"""Persson's contact mechanics theory: contact area, pressures, mean gap, stiffness, energy.
 
 Dimensionless pressure p_star = p0/(E* g_rms); eps_f = lam_s/lam_l. Self-affine spectra between the
 two cutoffs, or any isotropic spectrum C(q). The mean gap follows from the elastic energy (Yang &
@@ -12,9 +11,8 @@ with g(q) the rms gradient of the roughness up to q. For a self-affine spectrum 
 of the paper, but for the 6, which is printed there as 3; printed=True gives the published number.
 
 gamma (0 to 1.5, beyond which the energy would not rise with load) is the empirical factor for the
-energy stored in partial contact. The default 0.42 is the value used in the literature (Persson
-2007; Yang & Persson 2008), gamma = 1 is the original theory. Relative accuracy of the integrals is
-1e-10. All functions take arrays of pressures, return numbers or arrays of their shape, and raise
+energy stored in partial contact: 0.42 in the literature (Persson 2007; Yang & Persson 2008), 1 in
+the original theory. Integrals are good to 1e-10. Functions take arrays of pressures and raise
 SceneError for numbers out of range: p_star >= 0, hurst in [0, 1], eps_f in [1e-100, 1].
 """
 

@@ -1,8 +1,6 @@
-"""How the rms slope of a rough surface builds up with the wave vector, and integrals over it.
-
-Persson's theory needs a spectrum only through g(q), the rms gradient of all roughness with wave
-vectors up to q. Any isotropic spectrum is taken as a chain of power laws, in each of which g(q) and
-its inverse are elementary.
+"""The rms slope g(q) of all roughness up to q, and integrals over it: all of a spectrum that
+Persson's theory needs. Spectra are chains of power laws, in which g(q) and its inverse are
+elementary.
 """
 
 from collections.abc import Callable
@@ -28,10 +26,8 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class SlopeProfile:
-    """g(q)/g_rms of a spectrum that consists of power laws between q_0 < q_1 < ... < q_m.
-
-    y and g2 (m+1) are ln(q_i/q_0) and (g(q_i)/g_rms)^2, which rises from 0 to 1; in the piece i
-    d(g2)/dy = exp(beta_i (y-y_i))/inverse_rate_i.
+    """g(q)/g_rms of a spectrum of power laws between q_0 < ... < q_m: y and g2 (m+1) are
+    ln(q_i/q_0) and (g(q_i)/g_rms)^2; in piece i d(g2)/dy = exp(beta_i (y-y_i))/inverse_rate_i.
     """
 
     y: np.ndarray
@@ -44,10 +40,7 @@ class SlopeProfile:
 
     @classmethod
     def self_affine(cls, hurst: float, eps_f: float) -> Self:
-        """Return the profile of C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
-
-        eps_f = q_l/q_s. Raises SceneError if a number is out of range.
-        """
+        """Return the profile of C ~ q^(-2-2H), q_l <= q <= q_l/eps_f, in units q_l = g_rms = 1."""
         hurst = float(within("hurst", hurst, 0, 1))
         decades = -np.log(float(within("eps_f", eps_f, 1e-100, 1)))  # ln(q_s/q_l)
         # h_rms^2 = int exp(-2H y) dy, g_rms^2 = int exp((2-2H) y) dy, finite for H = 0, H = 1,
@@ -65,11 +58,8 @@ class SlopeProfile:
 
     @classmethod
     def from_spectrum(cls, q: ArrayLike, C: Any, area: float = 1.0) -> Self:
-        """Return the profile of an isotropic spectrum C, at increasing q or a function of q.
-
-        It is interpolated by power laws; a function is also sampled at 1000 wave numbers between
-        the first and the last q (error of order 1000^-4). area normalises C by h_rms^2 = area/(2
-        pi)^2 int C d^2q. Raises SceneError for an unusable q or C.
+        """Return the profile of C at increasing q, by power laws; a function is sampled at 1000
+        more q (error 1000^-4). h_rms^2 = area/(2 pi)^2 int C d^2q.
         """
         q = within("q", q, 0, np.inf, open_low=True)
         if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
@@ -113,10 +103,8 @@ class SlopeProfile:
         )
 
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
-        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g over all roughness, for each load.
-
-        x = sqrt(2) p_star g_rms/g. The kernel must vanish beyond x = 28 if power = 1, and be
-        bounded if power = 2. Loads are clipped to 1e-300 ... 1e200.
+        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g, x = sqrt(2) p_star g_rms/g, for each
+        load. The kernel vanishes beyond x = 28 if power = 1, is bounded if power = 2.
         """
         loads = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
         log_g, y, weight = self._nodes
@@ -134,11 +122,8 @@ class SlopeProfile:
 
     @cached_property
     def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The Gauss-Legendre points of integrals over ln g: ln(g/g_rms), ln(q/q_0), weights. Do not
-        change.
-
-        They reach so far below 0 that the rest is below double precision if the function falls at
-        least like g towards small g.
+        """Gauss-Legendre points over ln g: ln(g/g_rms), ln(q/q_0), weights, down to where functions
+        that fall like g are below double precision. Do not change.
         """
         low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
         with np.errstate(divide="ignore"):

@@ -65,10 +65,9 @@ class Correction:
 
 
 def paper_table() -> Table:
-    """Return the paper's four tables of coefficients, from data/paper_tfc.json.
+    """Return the paper's tables of coefficients.
 
-    {"tables": [{"observable": ..., "p_star": ..., "rows": [...]}, ...]}, a row for each Hurst
-    exponent.
+    {"tables": [{"observable": ..., "p_star": ..., "rows": [a row a Hurst exponent]}, ...]}
     """
     return table_of("paper")
 
@@ -238,10 +237,8 @@ def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
-    """Return the standard deviation of the sum of the terms, by the uncertainties of a row.
-
-    By its "covariance" (in the order of "names") if it is there, otherwise by its "sigma";
-    coefficients without a sigma count as exact.
+    """Return the standard deviation of the sum of terms by a row's "covariance" (in the order of
+    "names"), else its "sigma"; without one a coefficient is exact.
     """
     names = row.get("names", COEFFICIENTS)
     derivatives = slopes(row, eps) | {"limit": 0.0}

@@ -73,10 +73,8 @@ def areas(
 
 
 def _images(p0: float, hardness: float, g_rms: float, E_star: float) -> tuple[float, np.ndarray]:
-    """Return the standard deviation of the pressure in full contact, and the indices of images.
-
-    The images of index k lie at 2 k hardness +- p0; those that are left out have no weight in
-    double precision.
+    """Return the standard deviation of the pressure in full contact, and the k of images 2 k
+    hardness +- p0 with weight in double precision.
     """
     for name, value in (("hardness", hardness), ("g_rms", g_rms), ("E_star", E_star)):
         within(name, value, 0, np.inf, open_low=True)

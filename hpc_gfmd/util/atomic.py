@@ -9,12 +9,11 @@ from uuid import uuid4
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """Yield a temporary file that replaces `path` in one step when the block succeeds.
+    """Yield a temporary file that replaces `path` in one step if the block, which has to close it,
+    succeeds.
 
-    If the block raises, `path` stays as it was. On file systems that support files without a name
-    (O_TMPFILE) even a killed process leaves no temporary file behind; its name may then stand for a
-    descriptor of this process (/proc/self/fd/N): it has no suffix, and only this process can use
-    it. The block has to close the file before it ends.
+    With O_TMPFILE even a killed process leaves nothing; its name may then be /proc/self/fd/N,
+    without a suffix and for this process alone.
     """
     named = path.with_name(f".{path.name}.{uuid4().hex[:8]}.tmp")
     written = named
@@ -35,10 +34,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
 
 
 def sync(path: Path, wait: bool = True) -> None:
-    """Have the system write a file or folder to the disk; does nothing on Windows.
-
-    Without `wait` only have it begin, so that the disk is busy while the next piece is made.
-    """
+    """Have the system write a file or folder to the disk, or only begin without `wait`."""
     if os.name == "nt":  # no descriptor of a folder
         return
     descriptor = os.open(path, os.O_RDONLY)

@@ -1,5 +1,6 @@
-"""Small files kept from run to run on this machine: compiled kernels, FFTW's plans, the measured
-speed. The program works without them: what is missing or damaged is made again."""
+"""Small files kept from run to run (kernels, FFTW's plans, the measured speed); what is missing or
+damaged is made again.
+"""
 
 import hashlib
 import os
@@ -12,10 +13,7 @@ DIGEST_BYTES = hashlib.sha256().digest_size
 
 
 def cache_folder() -> Path | None:
-    """Return the user's cache folder of this program, which may not exist yet, or None.
-
-    It is $HPC_GFMD_CACHE, $XDG_CACHE_HOME/hpc-gfmd or ~/.cache/hpc-gfmd, the first that is defined.
-    """
+    """Return the program's cache folder, which may not exist yet, or None without a home."""
     if folder := os.environ.get("HPC_GFMD_CACHE"):
         return Path(folder)
     if folder := os.environ.get("XDG_CACHE_HOME"):
@@ -28,11 +26,7 @@ def cache_folder() -> Path | None:
 
 
 def keep(path: Path, content: bytes, purpose: str | None = None) -> None:
-    """Write bytes to a file, in one step and with a checksum, for `kept` to read.
-
-    `kept` returns them only for the same purpose (default: the file's name). Errors of the file
-    system are ignored; the file then stays as it was.
-    """
+    """Write bytes to a file in one step with a checksum, for `kept` with the same purpose."""
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as tmp:

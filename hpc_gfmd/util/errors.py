@@ -1,5 +1,4 @@
-"""The exceptions and warnings that users meet. The command line turns each into one line on
-standard error and an exit code."""
+"""The exceptions and warnings that users meet: on the command line a line and an exit code."""
 
 import re
 from collections.abc import Iterable
@@ -53,18 +52,14 @@ def how_to_install(package: str) -> str:
 
 
 def one_line(text: str, longest: int = 200) -> str:
-    """Replace line ends and other control characters of a text from outside by spaces; a text
-    longer than `longest` (>= 60) loses its middle.
-    """
+    """Replace control characters of a text by spaces; a longer text loses its middle."""
     printable = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
     line = " ".join(printable.split())
     return line if len(line) <= longest else f"{line[: longest - 60]} ... {line[-50:]}"
 
 
 def reason(error: BaseException) -> str:
-    """Return one line that says why an error occurred: the reason of the operating system, also
-    where HDF5 quotes it, or else the error's message.
-    """
+    """Return one line on why an error occurred: the system's reason, or the error's message."""
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     if by_system := re.search(r"error message = '([^']+)'", text):
         text = by_system.group(1)

@@ -9,9 +9,7 @@ WAY_OUT = "a UTF-8 locale, such as LC_ALL=C.UTF-8, or the environment variable P
 
 
 def require_name(key: str, path: str | os.PathLike) -> None:
-    """Raise SceneError, naming the key, for a file name with characters that the locale's encoding
-    lacks: this process can neither find nor create such a file.
-    """
+    """Raise SceneError for a file name with characters that the locale's encoding lacks."""
     try:
         os.fsencode(path)
     except UnicodeEncodeError:
@@ -19,11 +17,7 @@ def require_name(key: str, path: str | os.PathLike) -> None:
 
 
 def require_decoded(argument: str) -> None:
-    """Raise SceneError if the locale's encoding could not decode an argument of the command line.
-
-    In a UTF-8 locale nothing is raised: the argument may be the name of a file that was made in
-    another locale, and Python can open it.
-    """
+    """Raise SceneError if a locale other than UTF-8 could not decode an argument."""
     if sys.getfilesystemencoding() == "utf-8":
         return
     try:

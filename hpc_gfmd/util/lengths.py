@@ -1,5 +1,4 @@
-"""Units of length as scenes and instruments write them. A list, and not pint's, for which px, point
-and au are lengths, too."""
+"""Units of length as scenes and instruments write them; to pint px and au are lengths, too."""
 
 from functools import cache
 
@@ -39,10 +38,8 @@ def _metres_by_name() -> dict[str, float]:
 
 
 def length_factor(unit: str) -> float | None:
-    """Return the size of a unit of length ("nm", "Angstrom", "NanoMeters", "mil", ...) in metres,
-    or None.
-
-    Case is ignored, except that "Mm" and "Nm", which mean other things as well, are not accepted.
+    """Return a unit of length ("nm", "Angstrom", "NanoMeters", ...) in metres, or None; any case,
+    but not the ambiguous "Mm" and "Nm".
     """
     text = unit.strip().replace("µ", "u").replace("μ", "u").replace("\u212b", "Å")
     is_symbol = len(text) <= 2 and text.isascii() and text.lower().endswith("m")

@@ -6,10 +6,8 @@ from typing import Any
 
 
 def surface_topography() -> Any:
-    """Import and return SurfaceTopography such that every rank reads files on its own.
-
-    With mpi4py it would start MPI even in a process without a launcher: so mpi4py is hidden in
-    sys.modules during the first import. Raises ImportError if SurfaceTopography is not installed.
+    """Import SurfaceTopography with mpi4py hidden in sys.modules: else it would start MPI, without
+    a launcher, and not every rank could read by itself.
     """
     if "NuMPI" not in sys.modules:
         mpi_modules = {

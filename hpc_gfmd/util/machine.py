@@ -14,10 +14,8 @@ def cores() -> list[int]:
 
 
 def available_gib() -> float:
-    """Return the memory in GiB that new processes can still allocate, all of them together.
-
-    It is what Linux reports as available (elsewhere all memory), or what the limits of this
-    process's control groups leave, if that is less; infinity if nothing is reported.
+    """Return the memory that new processes can allocate: Linux's available one, or what control
+    groups leave; infinity if unknown.
     """
     gib = [float("inf")]
     if available_kib := _table(Path("/proc/meminfo")).get("MemAvailable:"):
@@ -42,10 +40,7 @@ def available_gib() -> float:
 def control_groups(
     root: Path = Path("/sys/fs/cgroup"), membership: Path = Path("/proc/self/cgroup")
 ) -> list[Path]:
-    """List the folders of the control groups, versions 1 and 2, that contain this process.
-
-    root: where they are mounted; membership: file with the groups of this process.
-    """
+    """List the folders of this process's control groups, versions 1 and 2."""
     try:
         lines = [line.split(":", 2) for line in membership.read_text().splitlines()]
     except OSError:
@@ -60,8 +55,7 @@ def control_groups(
 
 
 def limit_gib() -> float:
-    """Return how many GiB of address space more this process may take: the limit of `ulimit -v`
-    less what it has; infinity without a limit."""
+    """Return the address space left to this process by `ulimit -v`; infinity without a limit."""
     try:
         import resource
 

@@ -1,5 +1,6 @@
-"""Drop-in files: a body, a solver, an observable or a law is a file in its folder, or a file of
-another package with an entry point such as "hpc_gfmd.bodies": {"graded": "extra.graded"}."""
+"""Drop-in files: a body, solver, observable or law is a file in its folder, or of another package
+with an entry point, as "hpc_gfmd.bodies": {"graded": "extra.graded"}.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +18,7 @@ from .errors import GfmdError
 
 @cache
 def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
-    """List the names of drop-in files, those that other packages add first; none is imported.
-
-    package: the folder, such as "hpc_gfmd.bodies"; apart: files in it that are not drop-in files.
-    """
+    """List drop-in files, other packages' first, unimported; apart: files that are none."""
     path = importlib.import_module(package).__path__
     files = {module.name for module in pkgutil.iter_modules(path)}
     return (*sorted(_added(package).keys() - files), *sorted(files - {*apart}))
@@ -28,10 +26,7 @@ def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
 
 @cache
 def module_in(package: str, name: str) -> Any:
-    """Import and return a drop-in file.
-
-    Raises GfmdError if a file of another package cannot be imported, ImportError otherwise.
-    """
+    """Import a drop-in file; GfmdError if that of another package fails, ImportError otherwise."""
     point = _added(package).get(name)
     if point is None:
         return importlib.import_module(f"{package}.{name}")
@@ -43,9 +38,7 @@ def module_in(package: str, name: str) -> Any:
 
 @cache
 def class_in(package: str, name: str) -> Any:
-    """Import a drop-in file; return the class whose `name` is that of the file, or raise
-    GfmdError.
-    """
+    """Return the class of a drop-in file whose `name` is that of the file, or raise GfmdError."""
     for value in vars(module_in(package, name)).values():
         if isinstance(value, type) and vars(value).get("name") == name:
             return value
@@ -61,10 +54,8 @@ def sources_added(package: str) -> list[Path]:
 
 @cache
 def _added(package: str) -> dict[str, EntryPoint]:
-    """Return the entry points, by name, with which other packages add files to a folder.
-
-    Their group is named as the package, but "hpc_gfmd.observables" for hpc_gfmd.contact. Do not
-    change the dict, which is cached.
+    """Return other packages' entry points by name ("hpc_gfmd.observables" for hpc_gfmd.contact);
+    cached, do not change.
     """
     group = package.replace("contact", "observables")
     return {point.name: point for point in entry_points(group=group)}

@@ -1,5 +1,4 @@
-"""Numbers with units: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are
-numbers in SI units. Lengths are read by util/lengths.py, all others by pint."""
+"""Numbers with units ("100 um" is 1e-4), in SI units; lengths by lengths.py, others by pint."""
 
 import difflib
 import re
@@ -42,10 +41,7 @@ class Quantity(float):
 
 
 def parse(text: str, dimension: str) -> Quantity:
-    """Convert a text such as "100 um" to the SI unit of a dimension, one of those in SI.
-
-    Raises ValueError if it is not a number with a unit of this dimension.
-    """
+    """Convert a text such as "100 um" to the SI unit of a dimension, or raise ValueError."""
     parts = _QUANTITY.fullmatch(text[:100])
     if not parts:
         is_comma = DECIMAL_COMMA.fullmatch(text)
@@ -65,10 +61,7 @@ def format_quantity(value: float, like: float | None = None) -> str:
 
 @cache
 def factor(unit: str, dimension: str = "length") -> float:
-    """Return the size of a unit, such as "um" or "N/mm^2", in the SI unit of a dimension.
-
-    Raises ValueError if it is not a unit of this dimension.
-    """
+    """Return a unit such as "um" or "N/mm^2" in the SI unit of a dimension, or raise ValueError."""
     unit = str(unit).strip()
     if size := _in_si(unit, dimension):
         return size
@@ -83,10 +76,7 @@ def factor(unit: str, dimension: str = "length") -> float:
 
 
 def _in_si(unit: str, dimension: str) -> float | None:
-    """Return the size of a unit in SI units, or None if it is not a unit of the dimension.
-
-    Imports pint, which takes a while, for all dimensions but "length".
-    """
+    """Return a unit in SI or None; imports pint, which takes a while, for all but "length"."""
     if dimension == "length":
         return length_factor(unit)
     import pint
@@ -109,10 +99,8 @@ def _registry() -> Any:
 
 
 def in_units(unit: str, surface: Mapping[str, Any]) -> str:
-    """Replace the words length, pressure, force and time in a unit by the units of a surface's
-    attributes: "length^2" by "m^2".
-
-    "" (a plain number) becomes "1"; the result is "" if the surface lacks one of the units.
+    """Replace length, pressure, force and time in a unit by those of a surface, as "m^2"; ""
+    becomes "1", or "" if one is missing.
     """
     length, pressure, time = (
         name if isinstance(name, str) else ""
@@ -130,10 +118,8 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M"
 
 
 def prefixed(values: Iterable[Any], unit: str) -> tuple[float, str]:
-    """Return the size and name, such as (1e6, "MPa"), of the SI unit with a prefix from f to T in
-    which the largest of some numbers lies between 1 and 1000.
-
-    Anything but finite numbers is ignored. (1.0, "") if `unit` is "".
+    """Return, as (1e6, "MPa"), the SI unit with a prefix in which the largest finite number is 1 to
+    1000; (1.0, "") without one.
     """
     largest = max(
         (abs(value) for value in values if isinstance(value, int | float) and isfinite(value)),

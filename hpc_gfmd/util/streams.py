@@ -6,10 +6,8 @@ from typing import Any
 
 
 def occupy_standard_descriptors() -> None:
-    """Open the null device for each of the descriptors 0, 1 and 2 that is closed.
-
-    Otherwise the next file to be opened, such as a result, gets the descriptor of standard output,
-    and a library that prints writes into it.
+    """Open the null device for closed descriptors 0, 1, 2: else a result might get that of standard
+    output, and prints would go into it.
     """
     while (descriptor := os.open(os.devnull, os.O_RDWR)) < 3:
         pass
@@ -17,9 +15,7 @@ def occupy_standard_descriptors() -> None:
 
 
 def discard(stream: Any) -> None:
-    """Redirect a broken stream to the null device, so that flushing it at exit does not fail: the
-    recipe of Python's documentation for SIGPIPE.
-    """
+    """Redirect a broken stream to the null device, so that flushing it at exit does not fail."""
     with suppress(OSError, ValueError, AttributeError):
         descriptor = stream.fileno()
         devnull = os.open(os.devnull, os.O_WRONLY)

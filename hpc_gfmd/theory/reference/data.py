@@ -103,10 +103,7 @@ class Reference:
 
 
 def _within(name: str, wanted: ArrayLike, nodes: np.ndarray) -> np.ndarray:
-    """Return numbers as an array, clipped to the range of the nodes.
-
-    Raises SceneError if a number is outside of it by more than rounding (relative 1e-9).
-    """
+    """Return numbers clipped to the nodes' range; SceneError beyond rounding (relative 1e-9)."""
     low = float(nodes.min())
     high = float(nodes.max())
     return np.clip(within(name, wanted, low * (1 - ROUNDING), high * (1 + ROUNDING)), low, high)
