@@ -30,7 +30,6 @@ compliance of m points.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import hypot, inf, isfinite, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -44,42 +43,21 @@ if TYPE_CHECKING:
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
 
-
-@dataclass(frozen=True)
-class EstimateCalibration:
-    """Factors of the error estimates, for what sums over points do not bound.
-
-    Calibrated on true errors of walls of all kinds (scripts/campaign): at most one true error in a
-    thousand loads exceeds its estimate.
-    """
-
-    # Error of the pressure field, over the formula of its bound with the stiffness of a typical
-    # wave instead of the stiffest; the largest seen was 0.64.
-    pressure: float = 0.7
-    # Factor on the bound of the mean gap's error, for the unknown part of p* (in theory <= 0.5).
-    unknown: float = 0.5
-    shift: float = 1.2  # S of long waves over the sum over levels that stands for it.
-    # Effect of an error of S on the mean gap, over that of an equal relative error of the load, all
-    # points counted as open; the largest seen was 0.04.
-    loaded: float = 0.05
-    # Effect of an error of S on the mean gap, over the norm of that error, while only the last
-    # points are open; the largest seen was 0.22.
-    corner: float = 0.3
-    # Points may change sides if this takes a change of pressure below `reach` times its rms error
-    # (over the points that have it): 0.5 for random roughness, 1.3 for lattices of equal points.
-    # Only the half of this range with more points counts: in random roughness both have equally
-    # many. Counts of n points scatter by sqrt(n), which is added.
-    reach: float = 1.75
-    # Up to `few` points may change sides if this takes less than `farthest` times that rms error.
-    # Chosen: from 3 to 24 no area of 200 light loads is wrong, for 3 % of the pairs.
-    farthest: float = 12.0
-    few: float = 3.0
-    # Changes of pressure below this factor times its rms rounding error cannot tell on which side a
-    # point is.
-    rounding: float = 4.0
-
-
-CALIBRATION = EstimateCalibration()
+# Factors for what sums over points do not bound. Calibrated on true errors of walls of all kinds
+# (scripts/campaign): at most one true error in a thousand loads exceeds its estimate.
+#
+# Error of the pressure field, over the formula of its bound with the stiffness of a typical wave
+# instead of the stiffest; the largest seen was 0.64.
+OF_PRESSURE = 0.7
+# Factor on the bound of the mean gap's error, for the unknown part of p* (in theory <= 0.5).
+UNKNOWN = 0.5
+LONG_WAVES = 1.2  # their S over the sum over levels that stands for it
+# Effect of an error of S on the mean gap, over that of an equal relative error of the load, all
+# points counted as open; the largest seen was 0.04.
+AS_LOAD = 0.05
+# Effect of an error of S on the mean gap, over the norm of that error, while only the last points
+# are open; the largest seen was 0.22.
+LAST_POINTS = 0.3
 
 
 class State(NamedTuple):
@@ -216,7 +194,7 @@ def _norms(problem: Problem, levels: Multilevel, state: State, stability: float)
 def _squares_of_norm(problem: Problem) -> float:
     """Return the sum of squares of a pressure over its squared S norm, as it is estimated."""
     # where points yield the formula of the bound itself counts
-    share = CALIBRATION.pressure if problem.hardness is None else 1.0
+    share = OF_PRESSURE if problem.hardness is None else 1.0
     # on a soft base short waves may be stiffer than the typical one says
     body, grid = problem.body, problem.grid
     return share**2 * max(body.typical(grid), body.scale(grid))
@@ -233,10 +211,10 @@ def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
         norm = sqrt(max(state.uKu, 0.0))
         edges = self_energy(problem.grid)
         by_load = norms.missing * ((norm + norms.missing) / state.p0 + edges)
-    share = CALIBRATION.unknown if problem.hardness is None else 1.0
+    share = UNKNOWN if problem.hardness is None else 1.0
     # of the error of the heights all is unknown
     share = hypot(share * sqrt(1 - norms.inherited**2), norms.inherited)
-    by_contact = share * norms.response * norms.missing + CALIBRATION.shift * abs(norms.shift)
+    by_contact = share * norms.response * norms.missing + LONG_WAVES * abs(norms.shift)
     if state.yielded:
         by_load += (by_contact - by_load) * (1 - state.p0 / (problem.hardness or inf))
     return min(by_load, by_contact)
@@ -259,9 +237,9 @@ def _rounding_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
     free = N - state.elastic
     width = sqrt(free)
     # the last m points open by sqrt(m)/2
-    last_points = CALIBRATION.corner * sqrt(N) * width * max(1, width / 2)
+    last_points = LAST_POINTS * sqrt(N) * width * max(1, width / 2)
     compliance = 1.0 / problem.body.scale(problem.grid)
-    as_load = CALIBRATION.loaded * (norms.response**2 + compliance * N)
+    as_load = AS_LOAD * (norms.response**2 + compliance * N)
     of_body = problem.body.error * state.p0 * min(as_load, last_points)
     of_sums = _epsilon(problem) * (state.p0 * norms.response**2 + state.gap)
     return of_body + (of_sums + problem.rounding * free)

@@ -7,7 +7,7 @@ they get the solution in their rows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,18 +23,9 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
 
 SLIM = 4  # an axis with fewer points is not decimated: cubic interpolation takes 4
-
-
-@dataclass(frozen=True)
-class DecimationCalibration:
-    """How coarse the grids become, and on how many ranks; no effect on the solution."""
-
-    coarsest: int = 32  # smallest number of points along an axis (geometric mean of both)
-    # smallest number of points per rank; fewer are solved faster than sent
-    rank_points: int = field(default=2**13, metadata={"measured": "scripts/bench scaling"})
-
-
-CALIBRATION = DecimationCalibration()
+COARSEST = 32  # smallest number of points along an axis (geometric mean of both)
+# Smallest number of points per rank: fewer are solved faster than sent (scripts/bench scaling).
+RANK_POINTS = 2**13
 
 
 @dataclass(frozen=True)
@@ -57,11 +48,11 @@ class Decimation:
         n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         points = [k for k, c in zip(n, coarsened) if c]
-        if not points or np.prod(points) < CALIBRATION.coarsest ** len(points):
+        if not points or np.prod(points) < COARSEST ** len(points):
             return None
         beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
         n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
-        starts = agglomerated(beside, n[0] * n[1], CALIBRATION.rank_points)
+        starts = agglomerated(beside, n[0] * n[1], RANK_POINTS)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
         starts_of_part = np.append(starts[ranks], n[0])

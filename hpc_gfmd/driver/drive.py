@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -21,35 +21,23 @@ if TYPE_CHECKING:
     Watch = Callable[[int, Progress], Any]
 
 
-@dataclass(frozen=True)
-class LoopCalibration:
-    """When a certificate is computed, and when a solver counts as stagnated.
-
-    A certificate alone decides that a load is solved; these numbers cost or save FFT pairs only.
-    "Measure" is the error that the solver estimates, over the requested one.
-    """
-
-    refusals: int = 5  # refused certificates without a smaller error until the solver has stagnated
-    # Factor on the solver's patience once a certificate was refused: then only rounding errors are
-    # left.
-    patience_at_floor: float = 1 / 6
-    # factor by which a measure or error must decrease to count as progress
-    improvement: float = 0.9
-    # after a too small stability: share to which the measure decreases before the next
-    look_again: float = 0.3
-    look_again_after: int = 10  # or number of iterations
-    # By how much the errors are expected to decrease in a step that is made together with a
-    # certificate: to 0.2 to 0.5. Measured on 394 loads: about 2 % more pairs at 2
-    ahead: float = 3.0
-    waits: int = 3  # looks at a saddle after which the solver is kicked away from it
-    # relative change of the points in contact that counts as progress, with attraction
-    avalanche: float = 0.01
-    # Factor on the solver's patience with an attraction: on the way from a saddle the errors rise
-    # for a while.
-    patience_with_attraction: float = 2.5
-
-
-CALIBRATION = LoopCalibration()
+# When a certificate is computed, and when a solver counts as stagnated. A certificate alone decides
+# that a load is solved; these numbers cost or save FFT pairs only. The measure is the error that
+# the solver estimates, over the requested one.
+REFUSALS = 5  # refused certificates without a smaller error until the solver has stagnated
+# factor on the solver's patience once a certificate was refused: only rounding errors are left
+AT_FLOOR = 1 / 6
+IMPROVEMENT = 0.9  # factor by which a measure or error must decrease to count as progress
+# after a too small stability: share to which the measure decreases before the next look,
+LOOK_AGAIN = 0.3
+LOOK_AGAIN_AFTER = 10  # or number of iterations
+# By how much the errors are expected to decrease in a step that is made together with a
+# certificate: to 0.2 to 0.5. Measured on 394 loads: about 2 % more pairs at 2
+AHEAD = 3.0
+WAITS = 3  # looks at a saddle after which the solver is kicked away from it
+AVALANCHE = 0.01  # relative change of the points in contact that is progress, with attraction
+# factor on the patience with an attraction: on the way from a saddle errors rise for a while
+WITH_ATTRACTION = 2.5
 
 
 class Outcome(NamedTuple):
@@ -130,7 +118,7 @@ class Loop:
         is_due = limits.ask_for_certificate(progress)
         goes_ahead = limits.ask_ahead(progress)
         if goes_ahead:  # what a further step would not reach is not reached now
-            goes_ahead = self._may_be_met(progress.reduced(CALIBRATION.ahead))
+            goes_ahead = self._may_be_met(progress.reduced(AHEAD))
             is_due = is_due and goes_ahead
         if is_due and self._may_be_met(progress):
             return self._look()
@@ -288,7 +276,7 @@ class Limits:
     def note(self, progress: Progress) -> None:
         """Record the progress of an iteration: its measure, and whether it is the best so far."""
         self.measure = self.asked = self.criterion.measure(progress.residual, progress.estimate)
-        if self.measure < CALIBRATION.improvement * self.best:
+        if self.measure < IMPROVEMENT * self.best:
             self.best = self.measure
             self.best_at = self.solver.iterations
         if self.solver.problem.attraction is not None:
@@ -299,7 +287,7 @@ class Limits:
 
         With an attraction the contact may close or open as an avalanche, while errors rise.
         """
-        if abs(contact - self.contact) > max(CALIBRATION.avalanche * self.contact, 1):
+        if abs(contact - self.contact) > max(AVALANCHE * self.contact, 1):
             self.contact = contact
             self.best_at = self.solver.iterations
 
@@ -316,7 +304,7 @@ class Limits:
         """
         solver = self.solver
         can = solver.goes_ahead and solver.problem.attraction is None and not self.went_ahead
-        is_near = progress.finite and self.measure < CALIBRATION.ahead * self.threshold
+        is_near = progress.finite and self.measure < AHEAD * self.threshold
         return can and is_near and solver.iterations < self.criterion.max_iterations
 
     def note_refusal(self, certificate: Certificate, left: float) -> None:
@@ -325,7 +313,7 @@ class Limits:
         """
         by_residual = self.criterion.residual is not None
         error = certificate.residual if by_residual else certificate.errors[2]
-        nearer = error < CALIBRATION.improvement * self.least_refused
+        nearer = error < IMPROVEMENT * self.least_refused
         self.refusals = 0 if nearer else self.refusals + 1
         self.least_refused = min(error, self.least_refused)
         share = 1 / left if np.isfinite(left) else 1.0
@@ -340,7 +328,7 @@ class Limits:
         """
         self.saddles += 1
         self._look_later(0.0)
-        return self.saddles % CALIBRATION.waits != 0
+        return self.saddles % WAITS != 0
 
     def is_stable_enough(self, progress: Progress) -> bool:
         """Return whether a certificate is due with the stability in the estimate, or postpone
@@ -355,13 +343,13 @@ class Limits:
     def _look_later(self, share: float) -> None:
         """Postpone the next certificate until the measure has decreased to this share of its value
         (0.3 at least), or for ten iterations."""
-        self.look_below = max(share, CALIBRATION.look_again) * self.measure
-        self.look_at = self.solver.iterations + CALIBRATION.look_again_after
+        self.look_below = max(share, LOOK_AGAIN) * self.measure
+        self.look_at = self.solver.iterations + LOOK_AGAIN_AFTER
 
     @property
     def refused_too_often(self) -> bool:
         """Whether too many certificates in a row were refused without a smaller error."""
-        return self.refusals > CALIBRATION.refusals
+        return self.refusals > REFUSALS
 
     def exceeded(self, progress: Progress) -> str | None:
         """Return the status with which the iterations have to end, or None. Call `note` before.
@@ -374,10 +362,10 @@ class Limits:
         if self.solver.iterations >= self.criterion.max_iterations:
             return "max_iterations"
         refused = np.isfinite(self.least_refused)
-        patience = self.solver.patience * (CALIBRATION.patience_at_floor if refused else 1)
+        patience = self.solver.patience * (AT_FLOOR if refused else 1)
         if self.solver.problem.attraction is not None:
             # the energy falls, errors may rise meanwhile
-            patience *= CALIBRATION.patience_with_attraction
+            patience *= WITH_ATTRACTION
         if self.solver.iterations - self.best_at > patience:
             return "stagnated"
         return None

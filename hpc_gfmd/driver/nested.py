@@ -8,7 +8,7 @@ The displacement is then corrected locally for the finer grid's own heights, wit
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -32,21 +32,11 @@ if TYPE_CHECKING:
     MakeSolver = Callable[[Problem], Solver]
     FindBox = Callable[[Problem, np.ndarray], Box | None]
 
-
-@dataclass(frozen=True)
-class NestedCalibration:
-    """How roughly the coarse grids are solved; without effect on the accuracy of the solution.
-
-    Measured by FFT pairs and time of self-affine walls.
-    """
-
-    # Factor by which the residual is reduced on a coarse grid, once for each finer grid. More would
-    # be of no use, because each finer grid adds about as much residual again.
-    reduction: float = 0.6
-    iterations: int = 60  # largest number on a coarse grid
-
-
-CALIBRATION = NestedCalibration()
+# Factor by which the residual is reduced on a coarse grid, once for each finer grid. More would be
+# of no use, because each finer grid adds about as much residual again. Measured by FFT pairs and
+# time of self-affine walls; without effect on the accuracy of the solution.
+REDUCTION = 0.6
+MOST_ITERATIONS = 60  # on a coarse grid
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
@@ -107,7 +97,7 @@ class Nested:
         self.grid = grid
         self.step = Decimation.of(grid)
         self.coarser: Nested | None = None
-        self.reduction = CALIBRATION.reduction ** (finer + 1)
+        self.reduction = REDUCTION ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
             self.step.coarse.fft(dtype)
             self.coarser = Nested(self.step.coarse, dtype, finer + 1)
@@ -220,14 +210,14 @@ def roughly_solved(
     """Make a solver, start it from g, and reduce the residual by `reduction`, without a
     certificate.
 
-    After NestedCalibration.iterations, or if the state is not finite, the solver is returned as it
+    After MOST_ITERATIONS, or if the state is not finite, the solver is returned as it
     is. Raises Stopped on all ranks. Collective.
     """
     solver = make_solver(problem)
     solver.start(g)
     progress = solver.progress(target.is_sought)
     enough = reduction * progress.residual
-    for _ in range(CALIBRATION.iterations):
+    for _ in range(MOST_ITERATIONS):
         interrupt.check(problem.grid.comm)
         moved = target.follow(solver, progress, coarse=True)
         if not progress.finite or (not moved and progress.residual <= enough):

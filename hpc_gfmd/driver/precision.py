@@ -4,7 +4,6 @@ runs follow and plans predict."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,25 +19,13 @@ if TYPE_CHECKING:
     from ..scene import Scene, SolverTable
 
 COARSE = 512  # points along an axis of the coarse surface that `known_heights` makes, at most
-
-
-@dataclass(frozen=True)
-class PrecisionCalibration:
-    """Limits of single precision, measured on the true errors of the campaign.
-
-    They cost or save time only: a load that single precision cannot solve stagnates and is solved
-    again in double precision.
-    """
-
-    # finest that is tried in single; below it indistinguishable heights spoil the area
-    accuracy: float = 2e-4
-    few_points: float = 6  # number of points that single precision may put into the wrong set
-    # Largest rounding error of transforms, over the pressure error that the accuracy allows, with
-    # which a certificate may be in single precision.
-    noise: float = 0.2
-
-
-CALIBRATION = PrecisionCalibration()
+# Limits of single precision, measured on the true errors of the campaign. They cost or save time
+# only: a load that single precision cannot solve stagnates and is solved again in double precision.
+FINEST = 2e-4  # accuracy that is tried in single; below it indistinguishable heights spoil the area
+FEW_POINTS = 6  # number of points that single precision may put into the wrong set
+# Largest rounding error of transforms, over the pressure error that the accuracy allows, with which
+# a certificate may be in single precision.
+NOISE = 0.2
 
 
 def first_precision(settings: SolverTable) -> np.dtype:
@@ -47,7 +34,7 @@ def first_precision(settings: SolverTable) -> np.dtype:
     """
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
-    loose = settings.accuracy is not None and settings.accuracy >= CALIBRATION.accuracy
+    loose = settings.accuracy is not None and settings.accuracy >= FINEST
     return np.dtype(np.float32 if loose else np.float64)
 
 
@@ -61,7 +48,7 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     if p_star <= 0:
         return True
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
-    return accuracy is not None and CALIBRATION.few_points / expected > accuracy
+    return accuracy is not None and FEW_POINTS / expected > accuracy
 
 
 def too_soft(accuracy: float | None, h_rms: float, hardness: float | None) -> bool:

@@ -14,7 +14,7 @@ from ..laws.base import scaled
 from ..operators.problem import Problem
 from .height_statistics import HeightStatistics
 from .nested import Nested
-from .precision import CALIBRATION, few_points, pressure_that_counts, too_little, too_soft
+from .precision import NOISE, few_points, pressure_that_counts, too_little, too_soft
 
 if TYPE_CHECKING:
     from ..laws.base import Law
@@ -167,4 +167,4 @@ class WorkingSurface:
         error that is allowed.
         """
         noise = problem.noise(self.surface.h_rms / self.surface.height_unit)
-        return noise > CALIBRATION.noise * pressure_that_counts(self.settings, problem.p0)
+        return noise > NOISE * pressure_that_counts(self.settings, problem.p0)

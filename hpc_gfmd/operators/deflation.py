@@ -14,7 +14,6 @@ points in contact are as soft then as on the grid.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,28 +25,21 @@ from ..parallel.wisdom import planned
 from .coarsest import DAMPING, CoarsestLevels, LevelTables
 from .elastic import reader
 
-
-@dataclass(frozen=True)
-class DeflationCalibration:
-    """Accuracy and level of the deflation vector, chosen by FFT pairs at small loads."""
-
-    steps: int = 3  # of conjugate gradients at most
-    # The steps end once <r, M r> is below this, relative to its first value: one step is enough
-    # where contact is the same everywhere.
-    solved: float = 1e-6
-    coarser: int = 64  # the level has at least so many times fewer points than the grid
-    fewest: int = 250  # number of points of the level, at least
-    most: int = 128 * 128  # number of points of the level, at most
-
-
-CALIBRATION = DeflationCalibration()
+# Chosen by FFT pairs at small loads.
+STEPS = 3  # of conjugate gradients at most
+# The steps end once <r, M r> is below this, relative to its first value: one step is enough where
+# contact is the same everywhere.
+SOLVED = 1e-6
+COARSER = 64  # the level has at least so many times fewer points than the grid
+FEWEST = 250  # number of points of the level, at least
+MOST = 128 * 128  # number of points of the level, at most
 
 
 def level_of_mode(levels: Sequence[Level]) -> int | None:
-    """Return the number of the finest level (>= 1) of a size within CALIBRATION, or None."""
+    """Return the number of the finest level (>= 1) of FEWEST to MOST points, or None."""
     points = [level.n[0] * level.n[1] for level in levels]
-    most = min(points[0] / CALIBRATION.coarser, CALIBRATION.most)
-    return next((k for k, count in enumerate(points) if CALIBRATION.fewest <= count <= most), None)
+    most = min(points[0] / COARSER, MOST)
+    return next((k for k, count in enumerate(points) if FEWEST <= count <= most), None)
 
 
 class GapMode:
@@ -64,7 +56,7 @@ class GapMode:
         if self.level is None:
             return
         n = levels[self.level].n
-        self.pairs = CALIBRATION.steps * n[0] * n[1] / grid.cell_points
+        self.pairs = STEPS * n[0] * n[1] / grid.cell_points
         coarser = slice(self.level, None)
         self.levels = CoarsestLevels(
             LevelTables(levels[coarser], weights[coarser], weights[coarser])
@@ -93,10 +85,10 @@ class GapMode:
         Kd = np.empty_like(t)
         rz_before = np.inf
         M_sum = float(self.levels.apply(r, t).sum())  # <1, M 1>
-        for _ in range(CALIBRATION.steps):
+        for _ in range(STEPS):
             z = self.levels.apply(r, theta)
             rz = float((r * z).sum())
-            if rz < CALIBRATION.solved * M_sum:
+            if rz < SOLVED * M_sum:
                 break
             d = z + real(rz / rz_before) * d
             self._multiply(d, Kd)

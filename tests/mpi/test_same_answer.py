@@ -1,6 +1,5 @@
 """Areas, gaps, pressures, surfaces and files do not depend on the number of ranks."""
 
-from dataclasses import replace
 from functools import partial
 from math import inf
 
@@ -66,9 +65,7 @@ def test_prescribed(comm, quantity, value, low_memory, hardness):
 def test_a_light_contact_in_a_box(comm, centre, monkeypatch):
     """The box is on the ranks of a coarser grid; its rows come from those of the surface."""
     monkeypatch.setattr(box, "SMALLEST", 0)
-    monkeypatch.setattr(
-        decimation, "CALIBRATION", replace(decimation.CALIBRATION, rank_points=2**8)
-    )
+    monkeypatch.setattr(decimation, "RANK_POINTS", 2**8)
     x, y = ((np.arange(300) / 299 - 0.5 - c)[:, None] for c in centre)
     z = -(x**2 + y.T**2) / 2
     make = partial(sweep_over, z, free=(True, True), accuracy=1e-6)

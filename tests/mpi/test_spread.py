@@ -1,7 +1,5 @@
 """Coarse levels and coarse grids that are spread over the ranks, with large grids or low limits."""
 
-from dataclasses import replace
-
 import pytest
 from contacts import EXACT, rough
 from mpi.same import assert_same, every_size, sweeps
@@ -45,8 +43,8 @@ def test_small_limits(comm, surface, monkeypatch):
     monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 16)
     monkeypatch.setattr(hierarchy, "UNGATHERED_POINTS", 16)
     monkeypatch.setattr(hierarchy, "FEWEST_ROWS", 4)
-    small = replace(decimation.CALIBRATION, rank_points=64, coarsest=8)
-    monkeypatch.setattr(decimation, "CALIBRATION", small)
+    monkeypatch.setattr(decimation, "RANK_POINTS", 64)
+    monkeypatch.setattr(decimation, "COARSEST", 8)
     sweep = compare_all(comm, surface, [0.02, 0.3], **EXACT)
     levels, grids = spread_levels(sweep)
     assert levels >= 2 or comm.size == 1

@@ -1,8 +1,6 @@
 """Several threads per rank give the results of one to the bit, also where coarse grids and levels
 are on fewer ranks."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from contacts import field, rough
@@ -60,7 +58,8 @@ def small(monkeypatch):
         (hierarchy, "UNGATHERED_POINTS", 64),
         (hierarchy, "FEWEST_ROWS", 4),
         (pieces, "PIECE_POINTS", 2**9),
-        (decimation, "CALIBRATION", replace(decimation.CALIBRATION, rank_points=1024, coarsest=8)),
+        (decimation, "RANK_POINTS", 1024),
+        (decimation, "COARSEST", 8),
         (layout, "ROW_BYTES", 2**12),
         (layout, "COLUMN_BYTES", 2**12),
     ):

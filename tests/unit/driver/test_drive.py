@@ -11,7 +11,7 @@ from hpc_gfmd.certificate.certificate import Certificate
 from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver import drive as module
-from hpc_gfmd.driver.drive import CALIBRATION, drive
+from hpc_gfmd.driver.drive import REFUSALS, drive
 from hpc_gfmd.driver.target import Target
 from hpc_gfmd.solvers.base import Progress
 
@@ -99,7 +99,7 @@ def test_constant_certificates_are_stagnation(certified):
     certified(lambda solver: 2 * ACCURACY)
     outcome = drive(Scripted(halving), CRITERION)
     assert outcome.status == "stagnated"
-    assert outcome.pairs <= PAIRS * (CALIBRATION.refusals + 2)
+    assert outcome.pairs <= PAIRS * (REFUSALS + 2)
 
 
 def test_constant_estimates_are_stagnation(certified):
@@ -150,7 +150,7 @@ class Doubling(Target):
 
 def test_targets_follow_certificates(certified):
     """Refusals are counted per load."""
-    times = CALIBRATION.refusals + 3
+    times = REFUSALS + 3
     certified(lambda solver: 0.1 * ACCURACY)
     solver = Scripted(halving)
     outcome = drive(solver, CRITERION, target=Doubling(times))
