@@ -652,13 +652,29 @@ def test_what_a_person_is_told_of_a_map_is_true():
     assert edges.jumps[1] == pytest.approx(n[1] - 1)
 
 
-def test_iterative_filling_agrees_with_factorisation(monkeypatch):
-    from hpc_gfmd.surface import film
+def test_filling_agrees_with_factorisation():
+    """Holes of all sizes at edges, a third of all points, and all but every eighth along x and y:
+    the equations, one for each point, are solved by SciPy's factorisation."""
+    from scipy.sparse import diags_array, eye_array, kron
+    from scipy.sparse.linalg import spsolve
 
-    z = random_heights((160, 150))
-    z[20:130, 10:140] = np.nan
-    iterated = hpc_gfmd.prepare_surface(z, fill="harmonic", boundary="free").heights
-    monkeypatch.setattr(film, "DIRECT", 10**6)
-    factorised = hpc_gfmd.prepare_surface(z, fill="harmonic", boundary="free").heights
-    assert np.allclose(iterated, factorised, rtol=0, atol=1e-8 * np.ptp(factorised))
-    assert np.isfinite(iterated).all()
+    n = (61, 54)
+    z = np.cumsum(random_heights(n), axis=0)
+    i, j = np.indices(n)
+    chain = [diags_array([1.0, 1.0], offsets=[-1, 1], shape=(k, k)) for k in n]
+    bonds = (kron(chain[0], eye_array(n[1])) + kron(eye_array(n[0]), chain[1])).tocsr()
+    matrix = diags_array(bonds.sum(axis=1)).tocsr() - bonds
+    holes = [
+        (i < 30) & (j < 45),
+        np.random.default_rng(0).random(n) < 1 / 3,
+        (i % 8 > 0) | (j % 8 > 0),
+    ]
+    for hole in holes:
+        points = np.flatnonzero(hole)
+        known = np.where(hole, 0.0, z)
+        expected = spsolve(matrix[points][:, points].tocsc(), -(matrix @ known.ravel())[points])
+        surface = hpc_gfmd.prepare_surface(
+            np.where(hole, np.nan, z), fill="harmonic", boundary="free"
+        )
+        assert np.allclose(surface.heights[hole], expected, rtol=0, atol=1e-11 * np.ptp(z))
+        assert np.array_equal(surface.heights[~hole], z[~hole])
