@@ -190,7 +190,7 @@ def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray)
     """
     grid = problem.grid
     level = problem.transform_displacement(elastic.fft, g)
-    uKu = elastic.pressure_columns(problem.adder(elastic.fft))
+    uKu = elastic.columns(add=problem.adder(elastic.fft))
     law = problem.law(elastic.fft.dtype)
     attracted = [(0.0, 0.0)]
 
@@ -234,7 +234,7 @@ def _duality_gap(
     elastic.pressure_rows(
         lambda i0, i1, x: dual_rows(g, p, x, scale, shift, wall.limit, grid.inside, i0, i1)
     )
-    G = 0.5 * float(grid.comm.sum([elastic.compliance_columns()])[0])
+    G = 0.5 * float(grid.comm.sum([elastic.columns(inverse=True, backward=False)])[0])
     if sums.gap > 0:
         return float(G / (wall_load * sums.gap))
     return np.inf if G > 0 else 0.0

@@ -230,7 +230,7 @@ class _Search:
             out[i0:i1] = x[: i1 - i0] * (1 - self.closed[i0:i1])
 
         self.elastic.pressure_rows(reader(field))
-        self.elastic.pressure_columns(spring=self.problem.spring)
+        self.elastic.columns(spring=self.problem.spring)
         self.elastic.use_rows(use)
 
     def _precondition(self) -> float:

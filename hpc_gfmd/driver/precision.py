@@ -51,15 +51,21 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     return accuracy is not None and FEW_POINTS / expected > accuracy
 
 
-def too_soft(accuracy: float | None, h_rms: float, hardness: float | None) -> bool:
-    """Return whether the pressure error of single-precision heights is too large for a hardness
-    (over E* g_rms).
+def too_coarse(
+    settings: SolverTable, N: int, p_star: float | None, h_rms: float, hardness: float | None
+) -> bool:
+    """Return whether single precision certainly does not suffice for a load: by p_star, if it is
+    known, or because the heights are stored too roughly for a hardness (over E* g_rms).
 
     h_rms: over g_rms times the grid spacing.
     """
-    if accuracy is None or hardness is None:
+    accuracy = settings.accuracy
+    allowed = np.inf if accuracy is None or hardness is None else accuracy * hardness
+    if rounding_in_single(h_rms) > allowed:
+        return True
+    if p_star is None:
         return False
-    return rounding_in_single(h_rms) > accuracy * hardness
+    return few_points(N, p_star, accuracy) or not single_solves(p_star, N)
 
 
 def rounding_in_single(h_rms: float) -> float:
@@ -69,11 +75,6 @@ def rounding_in_single(h_rms: float) -> float:
     h_rms: over g_rms times the grid spacing.
     """
     return ROUNDING * float(np.finfo(np.float32).eps) * h_rms
-
-
-def too_little(settings: SolverTable, N: int, p_star: float) -> bool:
-    """Return whether single precision certainly does not suffice for a load, by p_star."""
-    return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
 
 
 def precisions(
@@ -91,14 +92,12 @@ def precisions(
     g_rms, h_rms = known_heights(scene, n)
     rounding = rounding_in_single(h_rms or np.inf)
     hardness = scene.material.hardness
-    if hardness is not None and g_rms and h_rms:
-        is_soft = too_soft(settings.accuracy, h_rms, hardness / (scene.material.E_star * g_rms))
-    else:
-        is_soft = False
+    if hardness is not None:
+        hardness = hardness / (scene.material.E_star * g_rms) if g_rms else None
     for p_star in known_p_stars(scene, g_rms):
         unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
         if settings.precision == "auto" and precision == np.float32 and not unloaded:
-            if is_soft or (p_star is not None and too_little(settings, math.prod(n), p_star)):
+            if too_coarse(settings, math.prod(n), p_star, h_rms or 0.0, hardness):
                 precision = np.dtype(np.float64)
             elif p_star is None or rounding > pressure_that_counts(settings, p_star):
                 if unknown is None:

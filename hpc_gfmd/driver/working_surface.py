@@ -14,7 +14,7 @@ from ..laws.base import scaled
 from ..operators.problem import Problem
 from .height_statistics import HeightStatistics
 from .nested import Nested
-from .precision import NOISE, few_points, pressure_that_counts, too_little, too_soft
+from .precision import NOISE, few_points, pressure_that_counts, too_coarse
 
 if TYPE_CHECKING:
     from ..laws.base import Law
@@ -145,9 +145,8 @@ class WorkingSurface:
         if target.needs_double or (gap is not None and gap.dtype == DOUBLE):
             return True
         h_rms = self.surface.h_rms / self.surface.height_unit
-        if too_soft(self.settings.accuracy, h_rms, self.hardness):
-            return True
-        return too_little(self.settings, self.surface.grid.N, target.half_area)
+        N = self.surface.grid.N
+        return too_coarse(self.settings, N, target.half_area, h_rms, self.hardness)
 
     def rounding_counts(self, problem: Problem) -> bool:
         """Return whether the certificate must be computed in double precision.

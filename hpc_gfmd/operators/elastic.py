@@ -17,8 +17,8 @@ RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 class Elastic:
     """Applies the stiffness K of a body, or its inverse S, to fields, a few rows at a time.
 
-    An application is three calls: `pressure_rows`, then `pressure_columns` (K) or
-    `displacement_columns` (S), then `use_rows`; functions of the caller make and use the rows.
+    An application is three calls: `pressure_rows`, then `columns`, then `use_rows`; functions of
+    the caller make and use the rows.
     `pairs` counts FFT pairs, half a pair for one direction. `mean` is this rank's share of the mean
     of the field multiplied last. `fft` and `multipliers` are missing between `make_room` and
     `plan`.
@@ -42,7 +42,7 @@ class Elastic:
         del self.fft, self.multipliers
         self.grid.forget_fft(self.dtype)
 
-    def _columns(
+    def columns(
         self,
         inverse: bool = False,
         backward: bool = True,
@@ -52,8 +52,10 @@ class Elastic:
         """Multiply all columns by K, or S with `inverse`, and if `backward` transform them back.
 
         Sets `mean`. Returns this rank's share of <u, K u> or <p, S p>. add(block, m) completes a
-        block of columns before it is multiplied; `spring` stands for K(0). Collective.
+        block of columns before it is multiplied; `spring` stands for K(0). What is not transformed
+        back counts half a pair; S p has zero mean. Collective.
         """
+        self.pairs += 0.0 if backward else 0.5
         multipliers = self.multipliers
         multipliers.couple(self.fft, inverse)
         if add is None and multipliers.alone and spring == 0:
@@ -84,10 +86,6 @@ class Elastic:
         """
         return self.fft.forward_rows(fill)
 
-    def pressure_columns(self, add: Columns | None = None, spring: float = 0.0) -> float:
-        """Multiply the columns by K and transform them back (`_columns`). Collective."""
-        return self._columns(add=add, spring=spring)
-
     def use_rows(self, use: RowFunction) -> list:
         """End an application: transform the rows of K u (or S p) back and hand them to `use`,
         counting one pair.
@@ -97,22 +95,6 @@ class Elastic:
         """
         self.pairs += 1
         return self.fft.backward_rows(use)
-
-    def displacement_columns(self) -> float:
-        """Multiply the columns of a pressure p by S and transform them back, after `pressure_rows`.
-
-        `use_rows` then gets S p with zero mean. Sets `mean`. Returns this rank's share of <p, S p>.
-        Collective.
-        """
-        return self._columns(inverse=True)
-
-    def compliance_columns(self) -> float:
-        """Return this rank's share of <p, S p>, after `pressure_rows` of a pressure p. Collective.
-
-        Nothing is transformed back: with the rows this counts half a pair. Sets `mean`.
-        """
-        self.pairs += 0.5
-        return self._columns(inverse=True, backward=False)
 
 
 def reader(field: np.ndarray) -> RowFunction:

@@ -118,7 +118,7 @@ def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float
         rz = float(grid.comm.sum([levels.smooth(0, residual_and_contact, z)[0]])[0])
         beta = rz / rz_before if rz > 0 else 0.0
         inner = sum(elastic.pressure_rows(fill))
-        dKd, inner = grid.comm.sum([elastic.pressure_columns(), inner]).tolist()
+        dKd, inner = grid.comm.sum([elastic.columns(), inner]).tolist()
         alpha = rz / dKd if dKd > 0 or np.isnan(dKd) else 0.0  # 0: solved to the last bit
         elastic.use_rows(use)
         yield alpha * rz, alpha * inner

@@ -89,11 +89,8 @@ class Bpx(Solver):
         """
         self._lay(g)
         self.problem.transform_displacement(self.elastic.fft, self.g)
-        self.uKu = float(
-            self.grid.comm.sum(
-                [self.elastic.pressure_columns(self.problem.adder(self.elastic.fft))]
-            )[0]
-        )
+        uKu = self.elastic.columns(add=self.problem.adder(self.elastic.fft))
+        self.uKu = float(self.grid.comm.sum([uKu])[0])
         # the rows are those of K u: no step has changed the attraction
         limit = self.wall.limit
         self.elastic.pairs += 1
@@ -152,7 +149,7 @@ class Bpx(Solver):
             self._lower()
         a, b, (pd, deeper, td, gained) = self._choose_step()
         spring = self.problem.spring
-        dKd = self.elastic.pressure_columns(spring=spring)
+        dKd = self.elastic.columns(spring=spring)
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         self.s = self.wall.step_length(pd, dKd, td, gained)
         before = self.rz, self.zKd, self.dKd

@@ -69,7 +69,7 @@ class Gfmd(Solver):
         """Begin at rest at the gap g >= 0 (local slab, copied): compute p with one FFT pair."""
         self._lay(g)
         self.problem.transform_displacement(self.elastic.fft, self.g)
-        uKu = self.elastic.pressure_columns()
+        uKu = self.elastic.columns()
         self.uKu = float(self.grid.comm.sum([uKu])[0])
         self._measure(self.elastic.use_rows(self._update))
 
@@ -95,7 +95,7 @@ class Gfmd(Solver):
         self.elastic.pressure_rows(
             lambda i0, i1, x: verlet_step(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside)
         )
-        self.elastic.pressure_columns()
+        self.elastic.columns()
         self._measure(self.elastic.use_rows(self._update))
         self.iterations += 1
 

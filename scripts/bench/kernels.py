@@ -95,7 +95,7 @@ def watch_passes(clock=time.perf_counter):
     watch = Stopwatch(clock)
     solver = solver_class("auto")
     watch.watch(solver, "_search", "search + rows")
-    watch.watch(Elastic, "pressure_columns", "columns")
+    watch.watch(Elastic, "columns", "columns")
     watch.watch(solver, "_update", "update + rows")
     watch.watch(Multilevel, "sweep", "sweep")
     return watch
