@@ -74,7 +74,6 @@ def _number_rows() -> list[tuple[str, str, str, str]]:
 
 
 def _numbers_text() -> str:
-    """Return the table of all numbers of a load as text, with a line on their units."""
     rows = [("name", "unit", "on request", "meaning"), *_number_rows()]
     lines = [
         f"{name:<36} {unit:<18} {requested_as:<14} {text}"
@@ -84,7 +83,6 @@ def _numbers_text() -> str:
 
 
 def _numbers_page() -> str:
-    """Return the table of all numbers of a load as a page of Markdown."""
     rows = [
         f"| `{name}` | {unit} | {requested_as} | {text} |"
         for name, unit, requested_as, text in _number_rows()

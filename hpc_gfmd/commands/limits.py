@@ -114,10 +114,8 @@ def extrapolation_text(
 
 
 def _value_text(observable: str, p_star: float, value: tuple[float, float | None]) -> str:
-    """Return a value and its load as text."""
     return f"p* = {p_star:.4g}, {observable} = {_with_sigma(*value)}"
 
 
 def _with_sigma(value: float, sigma: float | None) -> str:
-    """Return "value +- sigma", or the value alone if sigma is None."""
     return f"{value:.4f}" + (f" +- {sigma:.1g}" if sigma is not None else "")

@@ -148,5 +148,4 @@ def _remarks(result: Any, args: Namespace) -> list[str]:
 
 
 def _list(numbers: list[int]) -> str:
-    """Return numbers as "1, 2, 3"."""
     return ", ".join(map(str, numbers))

@@ -63,7 +63,6 @@ def main(args: Namespace) -> int:
 
 
 def _plot(path: Path) -> None:
-    """Draw a result file in a folder beside it and print the paths of both."""
     from ..output.read import read_result
     from ..plotting import plot_result
 

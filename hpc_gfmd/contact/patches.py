@@ -42,7 +42,6 @@ def average_direction(contact: Contact) -> float:
 
 
 def _area(contact: Contact) -> float:
-    """Return the area of one grid point, in the unit of length squared."""
     a_x, a_y = contact.grid.spacings
     return a_x * a_y
 

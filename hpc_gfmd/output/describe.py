@@ -114,7 +114,6 @@ def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, ab
 
 
 def _fields(group: Any) -> list[str]:
-    """Return the names of the two-dimensional datasets in a group."""
     return [name for name, item in group.items() if getattr(item, "ndim", 0) == 2]
 
 

@@ -190,7 +190,6 @@ class InterfaceLaw:
         return table
 
     def __repr__(self) -> str:
-        """Return one line: quantities, number and range of the pressures, number of surfaces."""
         unit = self.units["pressure"]
         number = f", mean of {self.surfaces} surfaces" if self.surfaces > 1 else ""
         return (

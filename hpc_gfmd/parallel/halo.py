@@ -217,7 +217,6 @@ def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Piece
 
 
 def _length(rows: slice) -> int:
-    """Return the number of rows of a slice."""
     return rows.stop - rows.start
 
 

@@ -123,5 +123,4 @@ class Interrupt:
 
     @property
     def _late(self) -> bool:
-        """Whether the deadline of this rank has passed."""
         return self.deadline is not None and time.monotonic() - self.begun > self.deadline

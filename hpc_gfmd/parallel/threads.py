@@ -152,7 +152,6 @@ class _Helper:
         self._has_begun = False
 
     def _run(self) -> None:
-        """Do work whenever some has begun."""
         while True:
             self._begun.acquire()
             try:

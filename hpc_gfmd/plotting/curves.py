@@ -96,7 +96,6 @@ def _scales(quantity: PlottedQuantity, views: Sequence[View], key: str) -> list[
 
 
 def _axis_label(quantity: PlottedQuantity, scales: list[tuple[Scale, int]]) -> str:
-    """Return the label of the axis of a number."""
     if quantity.symbol:
         return f"{quantity.name} {label(quantity.symbol, *scales)}"
     units = " ".join(f"{scale.name}^{power}" for scale, power in scales if scale.name)

@@ -106,23 +106,19 @@ def title_of(name: str, surface: Mapping[str, Any]) -> str:
 
 
 def _aspect(window: tuple) -> float:
-    """Return height over width of a window."""
     x0, x1, y0, y1 = window
     return (y1 - y0) / (x1 - x0)
 
 
 def _width(columns: int) -> float:
-    """Return the width of a map, in inches."""
     return 0.735 * WIDTH / max(columns, 2)
 
 
 def _pixels(columns: int, dpi: float | None) -> int:
-    """Return the largest number of pixels of a map along each axis."""
     return max(16, int(_width(columns) * (dpi or DPI)))
 
 
 def _page(panels: Sequence[Callable[[Any], None]], columns: int, window: tuple) -> Page:
-    """Return a page of maps of a window."""
     height = _width(columns) * np.clip(_aspect(window), 0.4, 2.4) + 0.34
     return Page(panels, columns, height, WIDTH if columns > 1 else WIDTH / 2, images=True)
 

@@ -128,8 +128,9 @@ def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndar
 
 
 def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return (edges, shares of all points): pressure where it touches, in even bins from 0; gap
-    elsewhere, in logarithmic ones, the first from 0. Reads twice.
+    """Return (edges, shares of all points) of the pressure where points touch, in even bins from 0,
+    or of the gap elsewhere, in logarithmic bins of which the first reaches down to 0. The fields
+    are read twice.
     """
     n_x, n_y = fields[name].shape
 
@@ -148,7 +149,7 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _lines(view: View, name: str, x: str, y: str) -> Iterator[Any]:
-    """Yield (x, y, keywords) of a field a load, heights once; x, y: endings of its keys."""
+    """Yield (x, y, keywords of plot) of a field for each load, heights once; x, y: ends of keys."""
     for k, step in enumerate(view.result.steps):
         if f"{name}_{x}" in step:
             of_heights = name == "heights"

@@ -123,7 +123,6 @@ class LogLabels(Formatter):
     """Labels of a logarithmic axis: plain numbers if all are short, otherwise powers of ten."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
-        """Return the label of the tick at x; pos is not used."""
         return self.format_ticks([x])[0]
 
     def format_ticks(self, values: Any) -> list[str]:

@@ -74,7 +74,6 @@ class Ensemble:
         self.loads = self.results[0].values(self.load)
 
     def __len__(self) -> int:
-        """Return the number of results."""
         return len(self.results)
 
     def _is_alike(self, name: str) -> bool:
@@ -233,11 +232,9 @@ class Ensemble:
         return [list(row) for row in zip(*columns, strict=True)]
 
     def __repr__(self) -> str:
-        """Return the table of means and deviations as text."""
         return f"<ensemble of {len(self)} results>\n{self.table()}"
 
     def _repr_html_(self) -> str:
-        """Return the table of means and deviations for a notebook."""
         from pandas import DataFrame
 
         html = DataFrame(self._cells()).to_html(header=False, index=False, border=0)

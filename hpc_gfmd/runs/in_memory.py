@@ -101,7 +101,6 @@ def changed(
 
 
 def _array_of(wall: np.ndarray | PreparedSurface) -> np.ndarray:
-    """Return the heights as an array, without a copy."""
     return wall.heights if isinstance(wall, PreparedSurface) else wall
 
 

@@ -236,7 +236,6 @@ class _Curves:
 
 
 def _mean(name: str, steps: Steps) -> float:
-    """Return the mean of a number over the surfaces; nan if one of them has no value."""
     values = [step.get(name) for step in steps]
     return math.nan if None in values else float(np.mean(values))  # type: ignore[arg-type]
 

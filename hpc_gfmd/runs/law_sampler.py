@@ -105,7 +105,6 @@ class Sampler:
         return [self._solve(k, pressures) for k in range(len(self.members))]
 
     def _solve(self, k: int, pressures: Pressures) -> Steps:
-        """Solve surface k at some pressures and return the attributes of its loads."""
         scene, surfaces = self.members[k]
         tables = scene.model_dump(exclude_none=True)
         tables["load"] = {"pressure": list(pressures)}

@@ -252,7 +252,6 @@ class Run:
         unfinished: Unfinished | None = None,
         seconds_before: float = 0.0,
     ) -> SolvedLoad:
-        """Solve one load; for the arguments see `solve`."""
         begun = time.monotonic() - seconds_before
         self.say.step(index, len(self.loads), *self._shown_target(index))
         try:

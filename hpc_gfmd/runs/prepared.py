@@ -86,7 +86,6 @@ class PreparedSurface:
         return height_map(self.heights, self.sizes, self.unit, **how)
 
     def __repr__(self) -> str:
-        """Return one line: points, sizes, roughness, edges, operations and notes."""
         attributes = {
             "n": self.heights.shape,
             "physical_sizes": self.sizes,

@@ -83,7 +83,6 @@ class PullOff:
         return True
 
     def _next(self) -> float | None:
-        """Return the mean pressure of the next load; None at the end."""
         if self._held is None:
             return None
         if self._lost is None:

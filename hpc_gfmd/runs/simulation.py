@@ -188,7 +188,6 @@ class _Run:
         return run
 
     def _require_the_same_heights(self, surface: Surface) -> None:
-        """Raise SceneError if the resumed run had other heights."""
         earlier = self.file.earlier.get("heights")
         is_resumed = earlier is not None or bool(self.file.finished)
         if is_resumed and (earlier or None) != surface.checksum:
@@ -232,7 +231,6 @@ class _Run:
                 raise Stopped(self.interrupt.agreed)
 
     def _write(self, load: SolvedLoad) -> None:
-        """Write a finished load. Collective."""
         contact = load.contact
         self._require_storable(contact.surface, contact.wall_pressure)
         names = self.scene.output.fields

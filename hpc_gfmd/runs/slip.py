@@ -188,7 +188,6 @@ class PartialSlip:
         return 0.0 if lightest.value("approach") is not None else float(lightest.heights.mean())
 
     def _shift(self, state: SlipState) -> float:
-        """Return the tangential displacement in a state."""
         return self.path.ratio * sum(
             share * (self._compression_at(high) - self._compression_at(low))
             for low, high, share in state.parts
@@ -196,7 +195,6 @@ class PartialSlip:
         )
 
     def _slip_area(self, state: SlipState) -> float:
-        """Return the share of the surface that slips in a state."""
         areas = [
             0.0 if place < 0 else float(self._solutions[place].a_r)
             for place in map(self.path.place, (state.normal, state.edge))

@@ -269,12 +269,10 @@ class Solution(Solved):
         return table
 
     def __repr__(self) -> str:
-        """Return one line with the most important numbers."""
         numbers = summary(self._step, self.result.surface)
         return f"<Solution: {'; note: '.join([numbers, *self.notes])}>"
 
     def _repr_html_(self) -> str:
-        """Return the table of the load as HTML, for a notebook."""
         return html_table(self.result, across=False)
 
     def _field(self, name: str) -> np.ndarray:

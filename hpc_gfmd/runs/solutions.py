@@ -106,7 +106,6 @@ class Solutions(Solved, Sequence[Solution]):
         return cls(result.steps, lambda: result, status=result.status, path=result.path)
 
     def _only(self, k: int) -> Result:
-        """Return the result of one load."""
         return self.result.some([k], status=self.steps[k]["status"])
 
     @overload
@@ -130,7 +129,6 @@ class Solutions(Solved, Sequence[Solution]):
         return chosen
 
     def __len__(self) -> int:
-        """Return the number of loads."""
         return len(self._all)
 
     @property
@@ -171,7 +169,6 @@ class Solutions(Solved, Sequence[Solution]):
     _get = values
 
     def __repr__(self) -> str:
-        """Return a line on the surface, one for each load, and the notes."""
         lines = [
             f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)},"
             f" {self.status}"
@@ -185,7 +182,6 @@ class Solutions(Solved, Sequence[Solution]):
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
 
     def _repr_html_(self) -> str:
-        """Return the table of all loads as HTML, for a notebook."""
         return html_table(self.result)
 
 
@@ -202,7 +198,6 @@ class Interrupted(KeyboardInterrupt):
         self.solutions = solutions
 
     def __reduce__(self) -> tuple:
-        """Pickle by the solutions."""
         return Interrupted, (self.solutions,)
 
 

@@ -122,7 +122,6 @@ class Solved:
         return self._get(name)
 
     def __dir__(self) -> list[str]:
-        """List the attributes, with the numbers of the result."""
         return sorted({*super().__dir__(), *self._number_names()})
 
     def save(self, path: str | PathLike, force: bool = False) -> Path:

@@ -228,5 +228,4 @@ def remarks(steps: Mapping[int, dict], surface: dict, observables: Sequence[str]
 
 
 def _has_value(value: Any) -> bool:
-    """Whether a value is neither None nor inf or nan."""
     return value is not None and not (isinstance(value, float) and not isfinite(value))

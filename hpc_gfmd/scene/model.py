@@ -56,7 +56,9 @@ class Scene(Table):
 
     @property
     def may_break_symmetry(self) -> bool:
-        """Whether a contact may vary along an axis where heights do not: adhesion at a gap."""
+        """Whether a contact may vary along an axis where heights do not: with adhesion at a gap or
+        an approach; under a pressure such states are no more stable.
+        """
         return self.material.adhesion is not None and self.load.is_searched
 
     @model_validator(mode="after")

@@ -42,7 +42,6 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
 
 
 def _read(path: str | PathLike, origin: str) -> str:
-    """Return the text of a scene file, called `origin` in messages, or raise SceneError."""
     if not os.path.isfile(path):
         raise SceneError(f"{origin}: no such file, allowed: a scene file in TOML")
     try:

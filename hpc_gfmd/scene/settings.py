@@ -244,7 +244,6 @@ class LoadTable(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        """Raise ValueError unless exactly one kind of load is given."""
         one_of(self, *LOADS)
         return self
 
@@ -312,7 +311,6 @@ class SolverTable(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        """Raise ValueError if both accuracy and residual are given."""
         one_of(self, "accuracy", "residual")
         return self
 

@@ -88,7 +88,6 @@ class Scaled(Table):
 
     @model_validator(mode="after")
     def _one_scale(self) -> Self:
-        """Raise ValueError for h_rms beside g_rms."""
         if self.h_rms is not None and self.g_rms is not None:
             raise ValueError("found h_rms and g_rms, allowed: one of them")
         return self

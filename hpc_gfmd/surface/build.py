@@ -259,7 +259,6 @@ def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> l
 
 
 def _largest(grid: Grid, z: np.ndarray) -> float:
-    """Return the largest number of a field on all ranks; z: this rank's slab. Collective."""
     return float(grid.comm.max([max(_by_rows(grid, np.max, z), default=-np.inf)])[0])
 
 

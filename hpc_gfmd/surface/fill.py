@@ -81,7 +81,6 @@ class Film:
 
 
 def _places(missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the indices of missing points along x and y."""
     x, y = np.nonzero(missing)
     return x.astype(np.int32), y.astype(np.int32)
 

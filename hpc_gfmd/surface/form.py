@@ -44,6 +44,5 @@ def form_notes(
 
 
 def _text(length: float, unit: str) -> str:
-    """Write a length with three digits and a readable unit."""
     scale, name = prefixed([length], unit)
     return f"{length / scale:.3g} {name}".strip()

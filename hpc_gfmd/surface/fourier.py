@@ -86,7 +86,6 @@ def fourier_modes(spec: Any, comm: Any) -> Modes:
 
 
 def _read(spec: Any) -> Coefficients:
-    """Return the coefficients of a file. Raises SceneError if it has none."""
     path = spec.path
     try:
         indices, c = _arrays(path)

@@ -62,12 +62,10 @@ def _is_done(errors: list[float]) -> bool:
 
 
 def _standardised(x: np.ndarray) -> np.ndarray:
-    """Return numbers with the mean 0 and the standard deviation 1."""
     return (x - x.mean()) / x.std()
 
 
 def _moments(x: np.ndarray) -> tuple[float, float]:
-    """Return skewness and kurtosis (3: Gaussian) of some numbers."""
     x = _standardised(x)
     return float(np.mean(x**3)), float(np.mean(x**4))
 

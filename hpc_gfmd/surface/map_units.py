@@ -130,5 +130,4 @@ def lengths_text(sizes: Any, are_named: bool) -> str:
 
 
 def _metres(unit: str | None) -> float:
-    """Return the length in m of a unit of length; 1 for none."""
     return 1.0 if unit is None else length_factor(unit) or 1.0

@@ -220,7 +220,6 @@ def _sizes(differences: np.ndarray) -> np.ndarray:
 
 
 def _median(values: np.ndarray) -> float:
-    """Return the median, 0 of nothing."""
     if not values.size:
         return 0.0
     above = values.size // 2

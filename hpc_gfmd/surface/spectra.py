@@ -41,7 +41,6 @@ class Spectrum:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Raise SceneError for rows that are no spectrum."""
         require_rows(self.q, self.C)
 
     @property
@@ -149,12 +148,10 @@ class Spectrum:
         return replace(extended, notes=(*self.notes, note))
 
     def _length(self, length: float) -> str:
-        """Return a length with its unit as text."""
         size, name = prefixed([length], self.unit)
         return f"{length / size:.4g} {name}".strip()
 
     def __repr__(self) -> str:
-        """Return one line: waves, roughness and notes."""
         longest, shortest = (self._length(2 * np.pi / q) for q in (self.q[0], self.q[-1]))
         roughness = self.roughness()
         parts = [
@@ -173,7 +170,6 @@ class Spectrum:
         return Roughness(h_rms, g_rms, laplacian / 2)
 
     def _moment(self, power: int) -> float:
-        """Return (1/2 pi) times the integral of q^power C q dq."""
         m = 2 + power - self.exponents
         ratio = np.diff(np.log(self.q))
         x = m * ratio

@@ -70,7 +70,6 @@ def _require_rows_resolved(spec: Any, x_rows: np.ndarray, y_rows: np.ndarray) ->
 
 
 def _read(spec: Any) -> Spectrum | DirectionalSpectrum:
-    """Return the spectrum of a scene's [surface]. Raises SceneError if it cannot be read."""
     if spec.path is None or not is_directional(spec.path):
         return isotropic_spectrum(spec)
     for name, usual in (("dimension", None), ("longest", None), ("shortest", None)):
@@ -126,7 +125,6 @@ def _cut(table: Spectrum, spec: Any) -> Spectrum:
 
 
 def _checksum(spectrum: Spectrum | DirectionalSpectrum) -> str:
-    """Return a checksum of the numbers of a spectrum."""
     whole = hashlib.blake2b(digest_size=16)
     for values in vars(spectrum).values():
         if isinstance(values, np.ndarray):

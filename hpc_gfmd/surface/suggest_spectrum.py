@@ -46,6 +46,5 @@ def spectrum_suggestion(path: str, folder: Path, user_keys: dict[str, Any]) -> S
 
 
 def _rounded_up(length: float) -> float:
-    """Return a length rounded up to three digits."""
     step = 10.0 ** (floor(log10(length)) - 2)
     return ceil(length / step * (1 - 1e-9)) * step

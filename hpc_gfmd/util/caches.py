@@ -13,7 +13,9 @@ DIGEST_BYTES = hashlib.sha256().digest_size
 
 
 def cache_folder() -> Path | None:
-    """Return the program's cache folder, which may not exist yet, or None without a home."""
+    """Return the first of $HPC_GFMD_CACHE, $XDG_CACHE_HOME/hpc-gfmd and ~/.cache/hpc-gfmd that is
+    defined, which may not exist yet, or None.
+    """
     if folder := os.environ.get("HPC_GFMD_CACHE"):
         return Path(folder)
     if folder := os.environ.get("XDG_CACHE_HOME"):
