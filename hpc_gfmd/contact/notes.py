@@ -89,9 +89,9 @@ def _on_attraction(contact: Any) -> list[str]:
         notes.append(
             f"stability {stability:.2g}: about to jump; errors are those of this equilibrium"
         )
-    other = contact.other_branch
-    if other is not None and not other.agrees:
-        notes.append(f"not unique: {100 * other.a_r:.3g} % touch on the other branch")
+    other_branch = contact.other_branch
+    if other_branch is not None and not other_branch.agrees:
+        notes.append(f"not unique: {100 * other_branch.a_r:.3g} % touch on the other branch")
     softness = resolution(contact)
     if softness > RESOLVED:
         finer = ceil(softness / RESOLVED)

@@ -203,8 +203,8 @@ def combined_error(name: str, step: dict) -> float | None:
         area_errors = _area_errors(step)
         if area_errors is None or not step["a_r_corrected"] > 0:
             return None
-        edge, *others = area_errors
-        relative_to_a_r = CORRECTION_ERROR * edge + sum(others)
+        edge, *random_and_solver = area_errors
+        relative_to_a_r = CORRECTION_ERROR * edge + sum(random_and_solver)
         return relative_to_a_r * step["a_r"] / step["a_r_corrected"]
     of_solver, of_grid = ERRORS.get(name, ("", ""))
     if any(target in step for target in HELD_GAPS):

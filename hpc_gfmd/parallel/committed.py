@@ -114,10 +114,10 @@ class _Growing(io.RawIOBase):
         self.file.seek(begin)
         self.file.readinto(view[:count])
         for offset, content in self.pieces:
-            first = max(offset, begin)
-            last = min(offset + len(content), begin + count)
-            if first < last:
-                view[first - begin : last - begin] = content[first - offset : last - offset]
+            start = max(offset, begin)
+            stop = min(offset + len(content), begin + count)
+            if start < stop:
+                view[start - begin : stop - begin] = content[start - offset : stop - offset]
         self.place += count
         return count
 

@@ -155,20 +155,20 @@ def write_rows(
                 mine = start, piece
                 to_write = [mine] if together else comm.gather(mine) or ()
                 with collective_errors(comm, doing):
-                    for first, numbers in to_write:
+                    for first_row, numbers in to_write:
                         if len(numbers):
-                            file[name][first : first + len(numbers)] = numbers
+                            file[name][first_row : first_row + len(numbers)] = numbers
                     sync(path, wait=False)
     with collective_errors(comm, doing):
         if comm.rank == 0 or together:
             sync(path)
 
 
-def _piece(field: Any, start: int, stop: int, first: int) -> np.ndarray:
-    """Return rows of a field in another file, or of a local slab whose first row is `first`."""
+def _piece(field: Any, start: int, stop: int, first_row: int) -> np.ndarray:
+    """Return rows of a field in another file, or of a local slab whose first row is `first_row`."""
     if isinstance(field, Stored):
         return field.read(start, stop)
-    return np.ascontiguousarray(field[start - first : stop - first])
+    return np.ascontiguousarray(field[start - first_row : stop - first_row])
 
 
 @contextmanager

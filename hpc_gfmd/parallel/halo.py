@@ -30,9 +30,9 @@ class Windows:
         self.rank = rank
         # this rank takes from all, and others take from it
         ranks = np.arange(len(lo))
-        others = np.delete(ranks, rank)
-        taker = np.append(np.full(len(ranks), rank), others)
-        owner = np.append(ranks, np.full(len(others), rank))
+        other_ranks = np.delete(ranks, rank)
+        taker = np.append(np.full(len(ranks), rank), other_ranks)
+        owner = np.append(ranks, np.full(len(other_ranks), rank))
         pieces: list[list[int]] = []
         for turn in range(int(lo.min()) // n, -(-int(hi.max()) // n)):
             owner_start = starts[owner] + turn * n
@@ -94,9 +94,9 @@ class Overlaps:
     def __init__(self, rank: int, lo: ArrayLike, hi: ArrayLike, n: int):
         lo, hi = (np.asarray(bounds, np.int64) for bounds in (lo, hi))
         ranks = np.arange(len(lo))
-        others = np.delete(ranks, rank)
-        giver = np.append(ranks, np.full(len(others), rank))
-        taker = np.append(np.full(len(ranks), rank), others)
+        other_ranks = np.delete(ranks, rank)
+        giver = np.append(ranks, np.full(len(other_ranks), rank))
+        taker = np.append(np.full(len(ranks), rank), other_ranks)
         pieces: list[list[int]] = []
         turns = int(hi.max() - lo.min()) // n + 1
         for turn in range(-turns, turns + 1):
@@ -149,7 +149,7 @@ def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.n
     comm.exchange({peer: np.concatenate(parts) for peer, parts in give.items()}, received)
     begin = dict.fromkeys(received, 0)
     for rows_of_field, window in fields:
-        own = [
+        own_parts = [
             window[..., rows, :].copy()
             for peer, rows, _ in rows_of_field.parts
             if peer == comm.rank
@@ -159,7 +159,7 @@ def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.n
         for peer, _, rows in rows_of_field.parts:
             target = window[..., rows, :]
             if peer == comm.rank:
-                target += own.pop(0)
+                target += own_parts.pop(0)
             else:
                 stop = begin[peer] + target.size
                 target += received[peer][begin[peer] : stop].reshape(target.shape)

@@ -202,8 +202,8 @@ def _points(
         relative = [error_bars(key, step) for step in steps]
         bars = None
         if any(relative):
-            both = np.array([error or (0.0, 0.0) for error in relative]).T
-            bars = np.abs(y) * np.nan_to_num(both, posinf=0)
+            below_and_above = np.array([error or (0.0, 0.0) for error in relative]).T
+            bars = np.abs(y) * np.nan_to_num(below_and_above, posinf=0)
         # on a branch, and in time, loads follow from each other
         follows = view.attracts or loads.is_time or view.remembers
         line = {"linestyle": "-" if is_converged and follows else "", "linewidth": 0.8}

@@ -122,8 +122,8 @@ def plot(
     kind = kind_of(what)
     with styled():
         views = [
-            View(one, chosen_steps(one, what, step), window, dpi, dimensionless, name, persson)
-            for name, one in results.items()
+            View(shown, chosen_steps(shown, what, step), window, dpi, dimensionless, name, persson)
+            for name, shown in results.items()
         ]
         panels = [
             name

@@ -136,8 +136,8 @@ def persson_of_map(
     if any(scene.surface.free) or not (good(slope) and sizes and points):
         return None
     material = scene.material
-    others = (material.thickness, material.adhesion, material.hardness)
-    if any(other is not None for other in others):
+    not_covered = (material.thickness, material.adhesion, material.hardness)
+    if any(setting is not None for setting in not_covered):
         return None
     unit = float(material.E_star) * slope
     curves = _areas(lambda p: persson.contact_area(p / unit), unit)

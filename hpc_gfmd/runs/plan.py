@@ -36,9 +36,9 @@ def plan_of(
 ) -> dict[str, Any]:
     """Return the forecast that `hpc-gfmd plan --json` prints: GiB, and seconds on this machine."""
     cell = cell_of(n, scene.surface.free, sizes)
-    first = first_precision(scene.solver)
+    first_dtype = first_precision(scene.solver)
     dtypes = precisions(scene, n)  # None: unknown before the run
-    itemsize = 8 if np.float64 in dtypes else first.itemsize
+    itemsize = 8 if np.float64 in dtypes else first_dtype.itemsize
     busy_cores = min(ranks * threads, cores)
     plan: dict[str, Any] = {
         "n": list(n),
@@ -54,7 +54,7 @@ def plan_of(
         "points_per_rank": -(-cell[0] // ranks) * cell[1],
         **_memory(scene, cell, itemsize, ranks, per_node, threads),
         **_files(scene, n, cell, itemsize),
-        "seconds": _seconds(scene, cell, precisions(scene, n, first)) / busy_cores,
+        "seconds": _seconds(scene, cell, precisions(scene, n, first_dtype)) / busy_cores,
     }
     if any(dtype is None for dtype in dtypes):
         in_double = _memory(scene, cell, 8, ranks, per_node, threads)

@@ -112,8 +112,11 @@ class Scene(Table):
             sizes = {"surface.physical_sizes": self.surface.physical_sizes}
             alike("lengths and forces", sizes | forces, defaults)
         if adhesion is not None:
-            both = {"range": adhesion.range, "work": adhesion.work}
-            alike("of work and range", {f"material.adhesion.{name}": x for name, x in both.items()})
+            of_adhesion = {"range": adhesion.range, "work": adhesion.work}
+            alike(
+                "of work and range",
+                {f"material.adhesion.{name}": x for name, x in of_adhesion.items()},
+            )
         return self
 
     @model_validator(mode="after")
@@ -124,11 +127,11 @@ class Scene(Table):
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.prescribed
         if adhesion is None:
-            least = min(values)
-            is_unloaded = least == 0 and self.remembers
-            if name in (*PRESSURES, "approach") and least <= 0 and not is_unloaded:
+            lowest = min(values)
+            is_unloaded = lowest == 0 and self.remembers
+            if name in (*PRESSURES, "approach") and lowest <= 0 and not is_unloaded:
                 raise ValueError(
-                    f"load.{name}: found {format_quantity(least)}, allowed: a number greater than"
+                    f"load.{name}: found {format_quantity(lowest)}, allowed: a number greater than"
                     " 0; with load.history or load.time also 0; with material.adhesion also 0 and"
                     " below"
                 )
@@ -146,15 +149,16 @@ class Scene(Table):
                 " allowed: one of them"
             )
         if name == "a_r":
-            others = ", ".join(other for other in LOADS if other != "a_r")
+            alternatives = ", ".join(load for load in LOADS if load != "a_r")
             raise ValueError(
                 "load.a_r: found with material.adhesion, where areas jump and several loads may"
-                f" give the same, allowed: {others}"
+                f" give the same, allowed: {alternatives}"
             )
-        first = values[:1] if self.branch != "approach" and name == "approach" else values
-        if name not in PRESSURES and min(first) <= 0:
+        positive = values[:1] if self.branch != "approach" and name == "approach" else values
+        lowest = min(positive)
+        if name not in PRESSURES and lowest <= 0:
             raise ValueError(
-                f"load.{name}: found {format_quantity(min(first))} with material.adhesion, allowed:"
+                f"load.{name}: found {format_quantity(lowest)} with material.adhesion, allowed:"
                 " a number greater than 0; an approach on retraction or with load.history, but for"
                 " the first, also 0 and below"
             )

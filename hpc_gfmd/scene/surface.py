@@ -78,8 +78,8 @@ class SurfaceTable(Table):
     @property
     def radii(self) -> tuple[float, float]:
         """(R_x, R_y) of the ball under the roughness or of the sphere; inf where straight."""
-        found = inf if self.radius is None else self.radius
-        return found if isinstance(found, tuple) else (found, found)
+        radius = inf if self.radius is None else self.radius
+        return radius if isinstance(radius, tuple) else (radius, radius)
 
     @property
     def free(self) -> tuple[bool, bool]:

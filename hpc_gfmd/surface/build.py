@@ -176,15 +176,15 @@ def _read_by_rows(topography: Topography | None, spec: Any, comm: Any) -> Topogr
     with collective_errors(comm, "reading the surface"):
         if topography is None:
             topography = open_topography(spec)
-        own = complete(topography)
-    size = own.n, own.sizes, own.unit
+        measured = complete(topography)
+    size = measured.n, measured.sizes, measured.unit
     differs = SceneError(
-        f"surface.path: found other points, sizes or units of {own.path} on some ranks, allowed:"
-        " the same file on all"
+        f"surface.path: found other points, sizes or units of {measured.path} on some ranks,"
+        " allowed: the same file on all"
     )
     raise_on_all(comm, None if comm.bcast(size) == size else differs)
-    notes = on_rank_0(comm, "reading the surface", lambda: notes_on(own, spec, look=False))
-    return on_radius(replace(own, notes=(*own.notes, *notes)), spec)
+    notes = on_rank_0(comm, "reading the surface", lambda: notes_on(measured, spec, look=False))
+    return on_radius(replace(measured, notes=(*measured.notes, *notes)), spec)
 
 
 def surface_of(

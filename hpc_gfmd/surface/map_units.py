@@ -43,10 +43,10 @@ def missing_keys(metadata: Metadata, spec: Any, path: object) -> dict[str, str]:
         )
     is_needed = spec.physical_sizes is None or has_unit(spec.physical_sizes) or bool(spec.xy_unit)
     if unit is None and not metadata.unit and is_needed:
-        other = "; surface.xy_unit, where x and y are in another unit"
+        hint = "; surface.xy_unit, where x and y are in another unit"
         missing["unit"] = (
             f"surface.unit: not given for the heights, {where}, allowed: {UNITS}"
-            f"{other * _are_alike(metadata, spec)}"
+            f"{hint * _are_alike(metadata, spec)}"
         )
     return missing
 

@@ -241,7 +241,7 @@ def _by_heights(
         z = heights.heights()
         result.about += filter(None, [bandwidth_line(z, heights.sizes, heights.unit)])
     of_edges = meeting.notes((True, True)) if is_open else []  # which do not meet as mirror images
-    told = [*result.about, *map(str, of_edges)]
-    result.about += [note for note in _not_on_reading(heights) if note not in told]
+    known_lines = [*result.about, *map(str, of_edges)]
+    result.about += [note for note in _not_on_reading(heights) if note not in known_lines]
     if not result.missing:
         result.about += map(str, slope_notes(pressed.g_rms, measured=True))
