@@ -2,7 +2,6 @@
 
 import csv
 import re
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,19 +28,13 @@ class TextLayout:
     ended: bool = False  # whether every line ends with a mark, after which there is no number
     numbers: int = 0  # in the lines that were looked at
 
-    def plain(self, line: str) -> str:
-        """Return a line without a comment at its end, and with one word for a missing point."""
+    def tokens(self, line: str) -> list[str]:
+        """Split a line into the texts of its numbers, without a comment or a mark at its end."""
         line = _COMMENT.sub("", line) if "#" in line else line
         if self.mark is None:
             for text in self.missing:
                 if " " in text and text.split()[0] in line.lower():
                     line = re.sub(rf"(?<!\S){re.escape(text)}(?!\S)", "nodata", line, flags=re.I)
-        return line
-
-    def tokens(self, line: str) -> list[str]:
-        """Split a line into the texts of its numbers, without a comment or a mark at its end."""
-        line = self.plain(line)
-        if self.mark is None:
             return line.split()
         if '"' in line:
             tokens = next(csv.reader([line], delimiter=self.mark), [])
@@ -56,9 +49,10 @@ class TextLayout:
         stay, as they may be coordinates.
         """
         is_plain = "_" not in token and not (self.decimal == "," and "." in token)
-        with suppress(ValueError):
+        try:
             return float(token.replace(self.decimal, ".") if is_plain else "")
-        return float("nan") if token.lower() in self.missing else None
+        except ValueError:
+            return float("nan") if token.lower() in self.missing else None
 
     def count(self, tokens: list[str]) -> int | None:
         """Return how many tokens are numbers, "nan" among them; None if one is another text."""

@@ -1,7 +1,7 @@
 """Heights as text, matrices or points in columns; a text with unexplained numbers is refused."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from io import BytesIO, TextIOWrapper
 from typing import Any, NamedTuple
@@ -145,18 +145,13 @@ def _joined(blocks: list[Block]) -> Block:
 
 
 def _plain_table(text: bytes, layout: TextLayout) -> np.ndarray | None:
-    """Return the numbers of a text in which no point is missing; None of any other."""
-    if layout.decimal == ".":
-        return _parsed(text, layout, None)
-    if layout.mark == "," or b"." in text:
-        return None
-    return _parsed(text.replace(b",", b"."), layout, None)
-
-
-def _parsed(
-    text: bytes, layout: TextLayout, number_of: Callable[[str], float] | None
-) -> np.ndarray | None:
-    """Return the numbers of a text by NumPy's parser; None if it refuses or skips a line."""
+    """Return the numbers of a text by NumPy's parser; None if it refuses or skips a line, as where
+    a point is missing.
+    """
+    if layout.decimal == ",":
+        if layout.mark == "," or b"." in text:
+            return None
+        text = text.replace(b",", b".")
     if layout.ended and layout.mark:
         text = re.sub(rb"%b[ \t]*$" % layout.mark.encode(), b"", text, flags=re.M)
     try:
@@ -164,7 +159,6 @@ def _parsed(
             TextIOWrapper(BytesIO(text), "utf-8", newline="\n"),
             delimiter=layout.mark,
             comments=None,
-            converters=number_of,
             quotechar='"' if layout.mark else None,
             ndmin=2,
         )
@@ -179,26 +173,15 @@ def _parsed(
 
 def _table(text: bytes, first_line: int, layout: TextLayout) -> np.ndarray:
     """Return the numbers of a block, nan for missing ones; ValueError names a wrong line."""
-
-    def number_of(token: str) -> float:
-        value = layout.number(token.strip())
-        if value is None:
-            raise ValueError
-        return value
-
     table = _plain_table(text, layout)
     if table is not None:
         return table
     is_complete = text.endswith(b"\n")
     lines = text.decode().removesuffix("\n").split("\n")
-    plain = "\n".join(map(layout.plain, lines))
-    if all(map(str.strip, lines)):
-        table = _parsed(plain.encode(), layout, number_of)
-    if table is not None:
-        return table
-    rows = []
-    for number, line in enumerate(lines, first_line):
-        is_last = number + 1 == first_line + len(lines)
+    table = np.empty((len(lines), layout.columns))
+    for row, line in enumerate(lines):
+        number = first_line + row
+        is_last = row + 1 == len(lines)
         end = " (it is the last one: is the file complete?)" * (is_last and not is_complete)
         tokens = layout.tokens(line)
         if len(tokens) != layout.columns:
@@ -212,8 +195,8 @@ def _table(text: bytes, first_line: int, layout: TextLayout) -> np.ndarray:
                 f"line {number}: found {tokens[values.index(None)]!r}, allowed: numbers;"
                 f" surface.missing names what stands for missing points{end}"
             )
-        rows.append(values)
-    return np.array(rows, dtype=np.float64)
+        table[row] = values
+    return table
 
 
 def _without_missing(
