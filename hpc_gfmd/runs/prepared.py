@@ -13,17 +13,6 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
-    """The table [surface] of a PreparedSurface, and the attributes that it gave."""
-
-    table: dict[str, Any]
-    heights: np.ndarray
-    sizes: tuple[float, ...]
-    unit: str
-    free: tuple[bool, bool]
-
-
-@dataclass(frozen=True, eq=False)
 class PreparedSurface:
     """A rough surface with its sizes and units, for `hpc_gfmd.solve`.
 
@@ -41,8 +30,8 @@ class PreparedSurface:
         What may be wrong with the heights, one line each.
     free : (bool, bool)
         Whether the surface has free edges along x, along y; otherwise it is periodic.
-    source : Source or None
-        Where the surface is from, for `table`.
+    source : (dict, PreparedSurface) or None
+        The scene's [surface] and the surface that it gave, for `table`.
     """
 
     heights: np.ndarray
@@ -51,21 +40,20 @@ class PreparedSurface:
     prepared: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     free: tuple[bool, bool] = (False, False)
-    source: "Source | None" = field(default=None, repr=False)
+    source: "tuple[dict[str, Any], PreparedSurface] | None" = field(default=None, repr=False)
 
     @property
     def table(self) -> dict[str, Any] | None:
         """The scene's [surface] that gives these heights; None in memory and after changes."""
-        source = self.source
-        if source is None or source.heights is not self.heights:
+        if self.source is None:
             return None
-        is_same = (source.sizes, source.unit, source.free) == (self.sizes, self.unit, self.free)
-        return source.table if is_same else None
+        table, made = self.source
+        is_same = (made.sizes, made.unit, made.free) == (self.sizes, self.unit, self.free)
+        return table if is_same and made.heights is self.heights else None
 
     def from_table(self, table: dict[str, Any]) -> "PreparedSurface":
         """Return a copy that remembers the keys `table` of the scene's [surface] it is from."""
-        source = Source(table, self.heights, self.sizes, self.unit, self.free)
-        return replace(self, source=source)
+        return replace(self, source=(table, self))
 
     @property
     def physical_sizes(self) -> tuple[float, ...]:

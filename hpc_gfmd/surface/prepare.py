@@ -14,7 +14,7 @@ from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
 from .fill import filled
 from .form import form_notes
-from .quality import DOUBT, Edges, MapQuality, edges_of, quality_of, window_notes, without_outliers
+from .quality import DOUBT, edges_of, quality_of, window_notes, without_outliers
 from .resample import resampled
 from .topography import Topography
 from .two_scans import combined, interpolated, name_of, spacings_text
@@ -111,19 +111,9 @@ def on_radius(topography: Topography, spec: Any) -> Topography:
     return topography.on_form(radii).after(f"on a form of radius {texts}")
 
 
-def map_edges(topography: Topography) -> Edges:
-    """Return how the edges of a map meet, by some of its rows."""
-    return edges_of(topography.rows, topography.n)
-
-
-def map_quality(topography: Topography) -> MapQuality:
-    """Return the statistics of a map without holes."""
-    return quality_of(topography.heights(), topography.sizes)
-
-
 def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarning]:
     """Return notes on edges, filling and, if `look`, quality; SceneError without a boundary."""
-    edges = map_edges(topography)
+    edges = edges_of(topography.rows, topography.n)
     has_window = spec.window != "none"
     is_told = has_window or spec.boundary is not None or topography.periodic
     if not is_told and (question := edges.question()):
@@ -131,7 +121,7 @@ def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarni
     repeats = [not (free or mirror) for free, mirror in zip(spec.free, spec.mirrored)]
     notes = [] if has_window else edges.notes(repeats)
     if look:
-        notes += map_quality(topography).notes()
+        notes += quality_of(topography.heights(), topography.sizes).notes()
         axes = [axis for axis in (0, 1) if not (spec.free[axis] or edges.meet[axis])]
         if axes and not has_window:  # curved where it neither ends nor repeats
             notes += form_notes(topography.heights(), topography.sizes, topography.unit, axes)
@@ -153,7 +143,7 @@ def _of_filled_scans(topography: Topography, spec: Any) -> Topography:
             " damped"
         )
         for scan in interpolated(scans, spec)
-        if map_quality(scan).unresolved > DOUBT.unresolved
+        if quality_of(scan.heights(), scan.sizes).unresolved > DOUBT.unresolved
     ]
     return replace(total, notes=(*total.notes, *notes))
 
@@ -251,5 +241,6 @@ def _windowed(topography: Topography, name: str) -> Topography:
     windowed = topography.of_heights(z, f"window {name}", periodic=True)
     counts = np.searchsorted(np.sort(w_y), 0.5 / np.maximum(w_x, 1e-300), side="right")
     kept = float(np.mean(w_y.size - counts) / w_y.size)  # where the window is at least 1/2
-    notes = window_notes(map_quality(topography), map_quality(windowed), kept, name)
+    before, after = (quality_of(a_map.heights(), a_map.sizes) for a_map in (topography, windowed))
+    notes = window_notes(before, after, kept, name)
     return replace(windowed, notes=(*windowed.notes, *notes))

@@ -16,26 +16,17 @@ from .analytic import Rows
 class Doubt:
     """Thresholds above which a height map triggers a note (chosen by hand)."""
 
-    # share of the variance of the heights that is tilt
     tilt: float = 0.5  # share of the variance of the heights that is tilt
     slight_tilt: float = 0.05  # likewise, for a hint
     # Mean square slope between neighbours over that between second neighbours: near 1 if the grid
     # resolves the spectrum.
-    # Mean square slope between neighbours over that between second neighbours: near 1 if the grid
-    # resolves the spectrum.
     unresolved: float = 1.2
-    # share of the points that had no height
     filled: float = 0.1  # share of the points that had no height
-    # difference between opposite edges over that between neighbours
     jump: float = 3.0  # difference between opposite edges over that between neighbours
-    # change of slope at the edge over that inside
     kink: float = 8.0  # change of slope at the edge over that inside
     # Distance of a height from the median of its neighbours over the difference of neighbours.
-    # Distance of a height from the median of its neighbours over the difference of neighbours.
     outlying: float = 10.0
-    # relative change of h_rms or g_rms by a window
     faded: float = 0.1  # relative change of h_rms or g_rms by a window
-    # opposite edges that differ by less than this share of the heights are equal
     # opposite edges that differ by less than this share of the heights are equal
     rounding: float = 1e-12
 
@@ -44,7 +35,6 @@ DOUBT = Doubt()
 GROUPS = 16  # places along x where three neighbouring rows are looked at
 LATTICE = 200  # points along an axis at which medians are taken, at most about twice as many
 LAG = 16  # points over which the slope of a tilt is taken, at most
-PIECE = 64  # rows that stay in the cache
 
 
 @dataclass(frozen=True)
@@ -158,45 +148,30 @@ class MapQuality:
 
 def quality_of(z: np.ndarray, sizes: tuple[float, ...]) -> MapQuality:
     """Return the statistics of heights (n_x, n_y) without holes on an area of these sizes."""
-    profiles, variance, squares = _sums(z)
+    mean = z.mean()
+    variance = z.var(mean=mean)
     taken_by_plane = 0.0
+    squares = 0.0  # of slopes
     steps = []
     ratios = []
-    for axis, (n, profile) in enumerate(zip(z.shape, profiles)):
+    for axis, (n, size) in enumerate(zip(z.shape, sizes)):
         lag = min(LAG, max(n // 8, 1))
         step, second, far = _differences(np.moveaxis(z, axis, 0), lag)
         x = np.arange(n) - (n - 1) / 2
+        profile = z.mean(axis=1 - axis) - mean
         slope = far / lag
         taken_by_plane += slope * (2 * x @ profile / n - slope * x.var())
+        between = np.diff(z, axis=axis).ravel()
+        squares += between @ between / max(between.size, 1) * (n / size) ** 2
         steps.append(step)
         ratios.append((2 * step / second) ** 2 if second > 0 else 0.0)
-    spacings = np.divide(sizes, z.shape)
     return MapQuality(
         typical=max(steps),
         tilt=max(float(taken_by_plane / variance), 0.0) if variance > 0 else 0.0,
         unresolved=max(ratios),
         h_rms=float(np.sqrt(variance)),
-        g_rms=float(np.sqrt(np.sum(squares / spacings**2))),
+        g_rms=float(np.sqrt(squares)),
     )
-
-
-def _sums(z: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], float, np.ndarray]:
-    """Return mean profiles along x and y, variance, and mean squares of steps along x and y."""
-    mean = z.mean()
-    of_rows = []
-    of_columns = np.zeros(z.shape[1])
-    sums = np.zeros(3)
-    for start in range(0, len(z), PIECE):
-        with_next = z[start : start + PIECE + 1] - mean
-        piece = with_next[:PIECE]
-        of_rows.append(piece.mean(axis=1))
-        of_columns += piece.sum(axis=0)
-        steps = np.diff(with_next, axis=0), np.diff(piece, axis=1)
-        sums += [np.vdot(values, values) for values in (piece, *steps)]
-    n_x, n_y = z.shape
-    counts = z.size, max((n_x - 1) * n_y, 1), max(n_x * (n_y - 1), 1)
-    variance, *squares = sums / counts
-    return (np.concatenate(of_rows), of_columns / n_x), variance, np.array(squares)
 
 
 def _differences(z: np.ndarray, lag: int) -> tuple[float, float, float]:

@@ -22,8 +22,8 @@ from .doubtful_numbers import slope_notes
 from .files import open_map
 from .map_units import missing_keys
 from .metadata import Metadata
-from .prepare import map_edges, map_quality, prepare
-from .quality import DOUBT, Edges, MapQuality, outliers, per_cent
+from .prepare import prepare
+from .quality import DOUBT, Edges, MapQuality, edges_of, outliers, per_cent, quality_of
 from .topography import Topography, open_topography, specs_of_bodies, topography_of
 from .two_scans import name_of
 
@@ -191,7 +191,8 @@ def _by_heights(
     def prepared_map() -> tuple[Topography, MapQuality, Edges]:
         spec = make(values | to_read | plain)
         heights = prepare(open_topography(spec), spec, look=True)
-        return heights, map_quality(heights), map_edges(heights)
+        quality = quality_of(heights.heights(), heights.sizes)
+        return heights, quality, edges_of(heights.rows, heights.n)
 
     heights, quality, meeting = prepared_map()
     refusal = ', which surface.fill = "none" refuses: the scene does not run'
