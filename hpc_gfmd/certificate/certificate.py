@@ -33,10 +33,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Certificate:
-    """The violations and estimated errors of a state, and sums of its recomputed pressure.
-
-    The same on all ranks, in the problem's units. "The mean pressure" is that of the wall: p0, plus
-    the mean attraction if there is one.
+    """Violations and estimated errors of a state, and sums of its recomputed pressure, in the
+    problem's units, the same on all ranks. "The mean pressure" is that of the wall: p0 plus mean
+    attraction.
     """
 
     # largest -g outside of dents, in the gap as the solver left it; it was set to 0 there
@@ -108,12 +107,12 @@ def certify(
     dual: bool = False,
     stability: Stability | None = None,
 ) -> Certificate:
-    """Recompute the pressure of a gap at the load of a problem into p, and measure all violations.
+    """Recompute the pressure of a gap, made feasible, into p, and measure all violations.
+    Collective.
 
-    The gap g becomes feasible first. `levels`, in the precision of g, gives the errors (else nan);
-    its fields are overwritten. `stability` divides the errors of a contact with attraction. Takes
-    one FFT pair in the precision `dtype`, half of one more with `dual`. Collective. A state that is
-    not finite raises nothing: see `Certificate.finite`.
+    One FFT pair in the precision `dtype`, half of one more with `dual`. `levels`, overwritten, give
+    the errors (else nan); `stability` divides those with attraction. A state that is not finite
+    raises nothing: see `Certificate.finite`.
     """
     penetration = wall_of(problem).project(g)
     elastic = Elastic(problem.grid, problem.body, dtype)
@@ -184,10 +183,7 @@ def _error_of_load(problem: Problem, error_of_gap: float) -> float | None:
 
 
 def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> Recomputed:
-    """Overwrite p with the pressure of the wall at the gap g, and sum both over all ranks.
-
-    Collective, one FFT pair of `elastic`.
-    """
+    """Overwrite p with the wall's pressure at the gap g, and sum both. Collective, one FFT pair."""
     grid = problem.grid
     level = problem.transform_displacement(elastic.fft, g)
     uKu = elastic.columns(add=problem.adder(elastic.fft))
@@ -221,10 +217,8 @@ def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray)
 def _duality_gap(
     wall: Wall, elastic: Elastic, g: np.ndarray, p: np.ndarray, sums: KktSums, wall_load: float
 ) -> float:
-    """Return the duality gap G over (wall_load times the sum of gaps).
-
-    Infinite if the contact has no admissible pressure, or if G > 0 while all gaps are 0. With a
-    hardness H, the admissible pressure is H in dents. Collective, half an FFT pair of `elastic`.
+    """Return G over (wall_load times sum of gaps): inf without an admissible pressure (H in dents),
+    or if only the gaps are 0. Collective, half an FFT pair.
     """
     grid = wall.grid
     load = grid.N * wall_load
@@ -250,10 +244,7 @@ def _errors(
     wall_load: float,
     stability: Stability | None,
 ) -> tuple[tuple[float, float, float], tuple[float, float]]:
-    """Return `errors` and `attainable` of a Certificate: relative, infinite where not known.
-
-    sums, uKu: over all ranks. Collective; overwrites the fields of `levels`.
-    """
+    """Return `errors` and `attainable` of a Certificate; overwrites the levels. Collective."""
     grid, contact = problem.grid, sums.contact
     levels.restrict(g, p, problem.limit)
     state = State(

@@ -39,8 +39,7 @@ class StoppingCriterion:
 
     @property
     def largest_error(self) -> float:
-        """Largest allowed error relative to a value found: the true value may be smaller by as
-        much, and this is the tolerance of it."""
+        """Largest error relative to a value found: the true one may be smaller by as much."""
         return self.tolerance / (1 + self.tolerance)
 
     @property
@@ -50,10 +49,8 @@ class StoppingCriterion:
         return tolerance / (1 + tolerance)
 
     def measure(self, residual: float, estimate: Estimate | None) -> float:
-        """Return the residual, or the error that a solver estimates, over the requested one.
-
-        Below 1 the solver expects to meet the criterion, apart from the area, which takes a look at
-        all points. Infinite if an accuracy is requested but this step has estimated no errors.
+        """Return the residual, or error that a solver estimates, over the requested one: below 1 it
+        expects to be done, apart from the area; infinite without the errors.
         """
         if self.residual is not None:
             return residual / self.residual
@@ -63,10 +60,8 @@ class StoppingCriterion:
         return self._largest(errors, estimate.attainable)
 
     def left(self, certificate: Certificate) -> float:
-        """Return the certified residual or error over the requested one, without errors that only
-        rounding keeps above it.
-
-        Infinite if the state is not finite or not stable, or if an error is nan.
+        """Return the certified residual or error over the requested one, without those limited by
+        rounding; infinite if not finite or not stable.
         """
         if not certificate.finite or certificate.stability <= 0:
             return inf
@@ -78,9 +73,7 @@ class StoppingCriterion:
     def _largest(
         self, errors: tuple[float, float, float], attainable: tuple[float, float]
     ) -> float:
-        """Return the largest error (area, mean gap, pressure) over the requested one, without those
-        limited by rounding, `attainable`; nan if one is.
-        """
+        """Return the largest error over the requested one, but for those limited by rounding."""
         area, *gap_and_pressure = errors
         errors_left = [
             error / self.largest_error
@@ -91,8 +84,7 @@ class StoppingCriterion:
         return nan if any(isnan(error) for error in errors_left) else max(errors_left)
 
     def status(self, certificate: Certificate) -> str:
-        """Return "converged", or "stagnated" if an error that iterations cannot reduce is too
-        large."""
+        """Return "converged", or "stagnated" if an error that iterations cannot reduce is large."""
         met = self.residual is not None or all(
             error < self.largest_of_result for error in certificate.errors
         )

@@ -75,8 +75,7 @@ class State(NamedTuple):
 
     @property
     def elastic(self) -> float:
-        """Number of points in elastic contact, which can carry a missing load; 1 if all of the
-        contact yields."""
+        """Number of points in elastic contact, which can carry a missing load; 1 if all yield."""
         if self.contact == self.yielded > 0:
             return 1.0
         return self.contact - self.yielded
@@ -112,9 +111,7 @@ class Estimate(NamedTuple):
 
 
 class Norms(NamedTuple):
-    """S norms and product of the residual pressure p^ - p and the test pressure v, which is -1 on
-    open points and a constant in contact that gives it zero mean.
-    """
+    """S norms and product of p^ - p and the test pressure v at the head of the file."""
 
     # |p^ - p|_S, with an attraction divided by the stability, and the error of the heights
     missing: float
@@ -127,13 +124,12 @@ def estimate(
     problem: Problem, levels: Multilevel, g: np.ndarray, state: State, stability: float = 1.0
 ) -> Estimate:
     """Estimate the errors of a state from its sums and the norms of `levels`, without an FFT.
+    Collective.
 
-    p^ is the pressure in contact plus a constant that makes up for the pressure out of contact.
-    Rounding errors of the working precision are those of the heights, independent from point to
-    point, and those of the pressure, which count as an error of the load. With an attraction the
-    estimate is that of the contact under the same attraction, frozen, over the stability. Errors
-    are infinite if a sum is not finite, nothing is in contact, or stability or load of the wall is
-    not positive. Collective.
+    p^ is the pressure in contact plus a constant for that out of contact. Rounding: of the heights,
+    independent from point to point, and of the pressure, an error of the load. With an attraction:
+    of the contact under the same, frozen, attraction, over the stability. Infinite if a sum is not
+    finite, nothing touches, or stability or load of the wall is not positive.
     """
     N = problem.grid.N
     is_finite = isfinite(state.open_pp + state.gap + state.uKu)
@@ -201,10 +197,8 @@ def _squares_of_norm(problem: Problem) -> float:
 
 
 def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
-    """Estimate the absolute error of the sum of gaps, without rounding errors: the smaller one of
-    both test pressures at the head of the file.
-
-    It holds while points in elastic contact stay so; `further_movement` adds the rest.
+    """Return the absolute error of the sum of gaps, the smaller of both test pressures, without
+    rounding, while elastic points stay so.
     """
     by_load = inf  # where an attraction differs from point to point this test says nothing
     if problem.attraction is None:
@@ -221,10 +215,7 @@ def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
 
 
 def _rounding_of_pressure(problem: Problem, state: State) -> float:
-    """Return the relative error of the pressure field due to rounding errors and an error of S.
-
-    Collective when the rounding error of the problem is first read.
-    """
+    """Return the relative pressure error by rounding and an error of S. Collective at first."""
     # with a hardness most of the contact may yield
     points = state.elastic if problem.hardness is None else state.contact
     of_heights = problem.rounding / sqrt(state.closed_pp / points)
@@ -246,14 +237,11 @@ def _rounding_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
 
 
 def _epsilon(problem: Problem) -> float:
-    """Return the relative rounding error of the working precision."""
     return ROUNDING * float(np.finfo(problem.dtype).eps)
 
 
 def relative_error(wrong: float, value: float) -> float:
-    """Return the largest error relative to the true number, wrong/(value - wrong), of a number >= 0
-    that is wrong by at most `wrong`: 0 if `wrong` is 0, infinite if the true number may be 0.
-    """
+    """Return the largest error over the true number, wrong/(value - wrong); inf if it may be 0."""
     if wrong < value:
         return float(wrong / (value - wrong))
     return 0.0 if wrong == 0 else np.inf

@@ -1,8 +1,8 @@
 """How many points may be in the wrong set, in contact or out of it.
 
-The error of the area cannot be bounded: on an ordered wall a whole ring of points may change sides
-together. It is estimated from the error of the pressure, from the number of points over which this
-error is spread, and from the change of pressure that would move each point to the other side.
+This cannot be bounded: on an ordered wall a whole ring of points may change sides. It is estimated
+from the pressure's error, the number of points over which it is spread, and the change of pressure
+that moves each point to the other side.
 """
 
 from __future__ import annotations
@@ -41,11 +41,9 @@ def misclassified_points(
 ) -> float:
     """Estimate how many points are in the wrong set, in contact or out of it. Collective.
 
-    A point may change sides if the change of pressure that this takes is not large beside the rms
-    error of the pressure, which is spread over `spread` points; no more points count than the total
-    squared error can move, the easiest first. Points in contact and open points change the area in
-    opposite directions, so the larger of the two numbers is returned. With a hardness the contact
-    keeps as many points as carry the load.
+    Points may change sides if that takes little beside the rms error of the pressure, spread over
+    `spread` points, the easiest first, up to the total squared error. The larger of both directions
+    counts; with a hardness as many points as carry the load stay.
     """
     mean_square = errors.squares / spread
     tie = TIED * problem.rounding
@@ -70,12 +68,9 @@ def misclassified_points(
 
 
 def _lone_point_factor(problem: Problem, contact: float) -> float:
-    """Return the factor >= 1 by which histograms overestimate the squared pressure that closes a
-    gap.
-
-    The histograms use the compliance of the stiffest wave for open points, but that of a single
-    point, S00, is larger. If it takes over a pressure from n points in contact, this moves it by
-    S00 (1 + 1/n) relative to them, and adds (1 + 1/n) times its square to the error.
+    """Return by how much histograms (compliance of the stiffest wave) overestimate the squared
+    pressure that closes a gap: one point, S00, takes over from n and adds (1 + 1/n) times its
+    square.
     """
     grid = problem.grid
     softer = problem.body.point_compliance(grid) * problem.body.scale(grid)
@@ -91,9 +86,8 @@ def _uncertain_points(
     largest: float,
     fall: float,
 ) -> np.ndarray:
-    """Return histograms (2, BINS) of points in contact and open points, by the square of the change
-    of pressure that moves a point to the other side. Collective; arguments as of
-    kernels/certify.py: count_uncertain.
+    """Return histograms (2, BINS), in contact and open, by squared change of pressure, as
+    kernels/certify.py: count_uncertain. Collective.
     """
     grid = problem.grid
     compliance = 1.0 / problem.body.scale(grid)
@@ -109,10 +103,7 @@ def _uncertain_points(
 
 
 def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the sums of p^2 and p^4 over this rank's open points, on the surface only.
-
-    Points that yield count with the pressure beyond the hardness.
-    """
+    """Return sums of p^2 and p^4 over this rank's open points, of p - H where they yield."""
     (rows, points), limit = problem.grid.inside, problem.limit
 
     def moments(i0: int, i1: int) -> tuple[float, float]:
@@ -122,10 +113,8 @@ def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarra
 
 
 def spread_of(squares: float, fourth: float, contact: float, N: int) -> float:
-    """Estimate over how many points (at least 1) the error of the pressure is spread.
-
-    It is taken as spread like the pressure out of contact, (sum p^2)^2/(sum p^4) points, but no
-    more than are in contact and no more than are open.
+    """Estimate over how many points the error is spread, like the pressure out of contact: (sum
+    p^2)^2/(sum p^4), at most those in contact or open.
     """
     participating = squares**2 / fourth if fourth > 0 else 1.0
     return max(min(participating, contact, N - contact), 1.0)

@@ -1,8 +1,7 @@
-"""The certificate of a pressure instead of a gap: one application of S computes the gap.
+"""The certificate of a pressure instead of a gap, solved elsewhere in a part of the surface.
 
-For a pressure p of the right load that was solved elsewhere, in a part of the surface: g = S p + h,
-moved so that closed points are at 0 in the mean. What is left of their gap is set to 0; the further
-pressure that this takes is not computed, but the errors grow by the largest that it may be.
+g = S p + h, moved so that closed points are at 0 in the mean; what is left of their gap is set to
+0, and the errors grow by the largest pressure that this may take.
 """
 
 from __future__ import annotations
@@ -40,12 +39,11 @@ def certify_pressure(
     dtype: DTypeLike = np.float64,
     dual: bool = False,
 ) -> tuple[Certificate, float]:
-    """Compute gap g, pressure p (local slabs) and certificate of a pressure on a part of the
-    surface.
+    """Return gap g, pressure p (local slabs), certificate, and a bound of the neglected pressure
+    over p. Collective, one FFT pair.
 
-    Returns also a bound of the norm of the pressure that is not computed, over that of p. g is
-    below 0 where points beyond the part penetrate. Needs stored heights, without hardness or
-    attraction; overwrites the fields of `levels`. Collective, one FFT pair.
+    g < 0 where points beyond the part penetrate. Needs stored heights, without hardness or
+    attraction; overwrites the levels.
     """
     grid = problem.grid
     _spread(part, p)
@@ -84,28 +82,19 @@ def certify_pressure(
 def _with_neglected(
     errors: tuple[float, float, float], neglected: float
 ) -> tuple[float, float, float]:
-    """Return errors of area, mean gap and pressure that grow with the relative pressure
-    `neglected`.
-
-    The first two are taken to grow as its error and, being one of the energy, as its square.
-    """
+    """Return errors that grow with the relative pressure `neglected`, and as its square."""
     area, gap, pressure = errors
     growth = 1 + neglected / pressure if pressure > 0 else 1.0
     return area * growth, gap * growth**2, pressure + neglected
 
 
 def _spread(part: Part, p: np.ndarray) -> None:
-    """Set p to the pressure of the part there, and to 0 elsewhere."""
     p[...] = 0
     p[part.rows, part.columns] = part.p
 
 
 def _gap(problem: Problem, elastic: Elastic, part: Part, g: np.ndarray) -> float:
-    """Set g to the gap of the pressure, 0 at closed points in the mean, and return by what it was
-    moved. Collective.
-
-    `elastic` has multiplied the columns of the pressure by S before.
-    """
+    """Set g to the pressure's gap, of mean 0 at closed points; return the move. Collective."""
     grid = problem.grid
     rows, points = grid.inside
     h = problem.heights
@@ -128,9 +117,7 @@ def _gap(problem: Problem, elastic: Elastic, part: Part, g: np.ndarray) -> float
 
 
 def _close(part: Part, g: np.ndarray) -> tuple[float, float]:
-    """Make the gap of the part feasible, 0 at closed points and >= 0 at open ones; return the
-    largest penetration before and the sum of the squared changes.
-    """
+    """Make the part's gap feasible; return the largest penetration and the sum of squares."""
     of_part = g[part.rows, part.columns]
     feasible = np.where(part.closed, 0, np.maximum(of_part, 0))
     change = np.subtract(feasible, of_part, dtype=np.float64)

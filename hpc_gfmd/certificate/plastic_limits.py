@@ -41,13 +41,11 @@ def further_movement(
     e: float,
     response: float,
 ) -> float:
-    """Return the error of the sum of gaps (>= 0) that yielding adds to the linear estimate.
-    Collective.
+    """Return the error of the sum of gaps that yielding adds to the linear estimate. Collective.
 
-    load: N times the mean pressure of the wall; gap: sum over open points; contact: number of
-    points, less than N; e: |p^ - p|_S; response: |v|_S of the direction v that lowers the pressure
-    of every open point by 1. A bound if `e` is one; 0 without a hardness, or if the elastic contact
-    can take up and give up enough load.
+    load: N times the wall's mean pressure; gap: sum over open points; contact: points, < N; e: |p^
+    - p|_S; response: |v|_S, v lowering open points by 1. A bound if `e` is one; 0 without a
+    hardness.
     """
     if problem.hardness is None:
         return 0.0
@@ -75,11 +73,8 @@ def further_movement(
 def _counts_near_contact(
     problem: Problem, g: np.ndarray, largest: float
 ) -> tuple[float, float, np.ndarray, np.ndarray]:
-    """Count the points with g <= 0, those with g < 0, and open points and dents (BINS,) by size.
-    Collective.
-
-    Bin k of a histogram holds sizes from largest 2^(-k/PER_OCTAVE) down to bin k + 1, the last bin
-    down to 0.
+    """Count points with g <= 0, g < 0, and open points and dents (BINS,) by size, down to largest
+    2^(-(k + 1)/PER_OCTAVE). Collective.
     """
     grid = problem.grid
     points = grid.inside[1]

@@ -78,11 +78,11 @@ def stability_of(
     tolerance: float = TOLERANCE,
 ) -> Stability:
     """Compute the stability of a state (gap g, pressure p of the wall) by an iterative search.
+    Collective.
 
-    It ends early once `lowest` is above `enough` or `value` below `too_little`, or once a step
-    changes s by less than `tolerance`, relative; `mode` is that of an earlier search, to begin
-    with. Overwrites the fields of `levels`. Collective: one or two FFT pairs at the start and one
-    per step; none if no open point is attracted.
+    Ends once `lowest` is above `enough`, `value` below `too_little`, or s changes by less than
+    `tolerance`; `mode`: of an earlier search. Overwrites the levels. One or two FFT pairs and one a
+    step; none if no open point is attracted.
     """
     search = _Search(problem, g, p, levels)
     if not search.attracts:
@@ -93,10 +93,8 @@ def stability_of(
 def stability_up_to_equilibrium(
     problem: Problem, g: np.ndarray, stability: Stability, distance: float
 ) -> float:
-    """Return the stability that divides the errors: that of the secant up to the equilibrium.
-
-    `distance` is |u - T(u)|_K. At most `stability.lowest`; 0 if the attraction changes so much on
-    the way that there may be no equilibrium. Collective, without an FFT.
+    """Return the stability of the secant up to the equilibrium at |u - T(u)|_K = `distance`, at
+    most `stability.lowest`; 0 if there may be none. Collective, no FFT.
     """
     mode = stability.mode
     law = problem.law(np.dtype(np.float64))
@@ -167,10 +165,8 @@ class _Search:
     def run(
         self, enough: float, too_little: float, mode: np.ndarray | None, tolerance: float
     ) -> Stability:
-        """Step until s is known well enough. Collective.
-
-        V[0] is e, V[1] the preconditioned residual (in the first step the given mode, if there is
-        one), V[2] the last change of e. KV is K V on open points.
+        """Step until s is known. Collective. V: e, the preconditioned residual (first: the given
+        mode), the last change of e; KV: K V on open points.
         """
         shape = (3, *self.grid.shape)
         V, KV = np.zeros(shape, self.dtype), np.zeros(shape, self.dtype)
@@ -221,10 +217,7 @@ class _Search:
         return Stability(s, min(lowest, s), V[0] if upward else -V[0], self.elastic.pairs)
 
     def _apply(self, field: np.ndarray, out: np.ndarray) -> None:
-        """Set out = K field on open points and 0 in contact, with one FFT pair. Collective.
-
-        K of the mean is the stiffness of the problem's spring, 0 under a dead load.
-        """
+        """Set out = K field on open points, 0 in contact, by one FFT pair. Collective."""
 
         def use(i0: int, i1: int, x: np.ndarray) -> None:
             out[i0:i1] = x[: i1 - i0] * (1 - self.closed[i0:i1])
@@ -247,8 +240,7 @@ class _Search:
         return compliance * float(self.grid.comm.sum([rz])[0])
 
     def _best(self, V: np.ndarray, KV: np.ndarray, k: int) -> tuple[float, np.ndarray]:
-        """Return the largest eigenvalue mu of D (with respect to K) in the span of V[:k], and the
-        weights (3,) that combine V to its direction e with <e, K e> = 1. Collective, no FFT."""
+        """Return mu of D in the span of V[:k], and the weights (3,) of its mode. Collective."""
 
         def products(i0: int, i1: int) -> np.ndarray:
             sums = np.zeros((2, 3, 3))
@@ -268,9 +260,7 @@ class _Search:
         return float(mu[-1]), weights
 
     def _combine(self, V: np.ndarray, KV: np.ndarray, k: int, weights: np.ndarray) -> None:
-        """Combine the first k directions in place: V[0] becomes the sum of weights[i] V[i], V[2]
-        this sum without its term i = 0, the direction in which e changes. The same with KV.
-        """
+        """Set V[0] to the sum of weights[i] V[i], V[2] to the same without i = 0; KV likewise."""
         real = weights.astype(self.dtype)
 
         def combine(i0: int, i1: int) -> None:

@@ -1,10 +1,9 @@
-"""Light contacts with free edges are solved in a box: a rectangle of the surface with all points
-that can touch.
+"""Light contacts with free edges are solved in a box: a rectangle with all points that can touch.
 
-An open half-space is the same everywhere, so that the contact in the box is one of its own, at the
-same force. Its pressure is that of the whole surface, where one application of S gives the gap
-(certificate/of_pressure.py). If points beyond the box penetrate, a larger box is solved. A box has
-the points, ranks and plans of one of the coarser grids, but the spacing of the finest.
+An open half-space is the same everywhere, so the contact in the box is one of its own, at the same
+force; one application of S gives the gap on the whole surface (certificate/of_pressure.py). If
+points beyond the box penetrate, a larger box is solved. A box has the points, ranks and plans of a
+coarser grid, but the spacing of the finest.
 """
 
 from __future__ import annotations
@@ -82,10 +81,8 @@ class Box:
     def around(
         cls, touching: Rectangle | None, fine: Grid, coarser: Sequence[Grid], comm: Comm
     ) -> Box | None:
-        """Return the smallest box around a rectangle; None if only the whole surface has it, or a
-        box takes as long.
-
-        coarser: finest first, all on rank 0 of `comm`. Collective there.
+        """Return the smallest box around a rectangle, None if none is faster than the whole
+        surface. Collective on `comm`, whose rank 0 has all of `coarser`, finest first.
         """
         box = None
         if touching is not None and fine.cell_points >= SMALLEST:
@@ -122,11 +119,8 @@ class BoxContact(NamedTuple):
     def coarser_of_surface(
         self, gap_mean: float, of_surface: Sequence[CoarseContact]
     ) -> list[CoarseContact]:
-        """Return the contacts on coarser grids with mean gaps over the surface, on which that of
-        the solution is `gap_mean`.
-
-        of_surface: contacts of the whole surface, but for the first of the coarser grids, which is
-        taken to be halfway to the next one.
+        """Return the contacts on coarser grids with mean gaps over the surface; `gap_mean`: of the
+        solution. The first is taken to be halfway to that of `of_surface`.
         """
         gaps = [contact.gap_mean for contact in of_surface]
         gaps = [(gap_mean + gaps[0]) / 2, *gaps]
@@ -137,10 +131,8 @@ SolveAlone = Callable[["Problem"], tuple["Solver", float, Sequence[CoarseContact
 
 
 def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveAlone) -> BoxContact:
-    """Solve a contact in a box; coarser: the coarser grids, finest first. Collective.
-
-    solve(problem) solves a contact on a grid of its own; it returns the solver at the solution, the
-    FFT pairs and the contacts on coarser grids. Stopped is raised on all ranks.
+    """Solve a contact in a box. Collective. solve(problem) returns solver, FFT pairs and contacts
+    on coarser grids.
     """
     fine = problem.grid
     i, j = box.corner

@@ -1,9 +1,8 @@
-"""With an attraction a load may have several equilibria: which one a load starts from, and how a
-solver leaves a saddle.
+"""With an attraction a load may have several equilibria: where it starts, and how to leave saddles.
 
-The approach branch comes down from larger gaps: from the contact without attraction, or from a
-smaller load before. The retraction branch comes up from smaller gaps: from the larger load before.
-In a cycle each load comes from the one before, on the branch of its direction.
+Approach comes down from larger gaps: the contact without attraction, or a smaller load before.
+Retraction comes up from the larger load before. In a cycle each load comes from the one before, on
+the branch of its direction.
 """
 
 from __future__ import annotations
@@ -30,10 +29,8 @@ KICK_LENGTHS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
 
 
 def goes_on(branch: str, p0: float, p0_before: float) -> bool:
-    """Return whether a load may start from the solution of the load before on a branch.
-
-    On retraction if the load does not rise, on approach if it does not fall and the one before was
-    above 0, in a cycle always.
+    """Return whether a load may start from the one before: on retraction if it does not rise, on
+    approach if it does not fall and that one was above 0, in a cycle always.
     """
     if branch == CYCLE:
         return True
@@ -43,10 +40,9 @@ def goes_on(branch: str, p0: float, p0_before: float) -> bool:
 
 
 class SaddleGuard:
-    """Computes the stability of a solver's state, and kicks the solver away from saddles.
-
-    branch: the direction in which a kick is tried first. `kicks` counts them; `at_saddle`: whether
-    the last `look` found no equilibrium near the state; `stability`: what it computed, nan before.
+    """Computes the stability of a solver's state, and kicks it from saddles, first in the direction
+    of `branch`. `kicks` counts; `at_saddle`: the last `look` found no equilibrium near;
+    `stability`: or nan.
     """
 
     def __init__(self, solver: Solver, branch: str):
@@ -58,12 +54,8 @@ class SaddleGuard:
         self.stability = np.nan
 
     def look(self, measure: float = np.inf) -> float:
-        """Compute the stability of the present state; return the FFT pairs that this took.
-
-        Sets `solver.stability` and `at_saddle`, and prepares the solver's next step. The stability
-        is computed only until it is clear whether it exceeds `measure`, the estimated error over
-        the requested one without the stability (infinite: as accurately as possible; 0: no errors
-        are requested). Collective.
+        """Compute the stability, until it is clear whether it exceeds `measure` (inf: exactly, 0:
+        no errors requested), and prepare the next step; return the FFT pairs. Collective.
         """
         solver = self.solver
         solver.stability = None
@@ -87,11 +79,9 @@ class SaddleGuard:
         return stability.pairs
 
     def leave_saddle(self) -> bool:
-        """Kick the solver away from a saddle, along the mode in which the energy falls. Collective.
-
-        The kick changes the gap, and with a spring p0, and starts the solver there (one FFT pair).
-        `look` must have been called at this state. Returns False, and changes nothing, if the
-        stability is above 0, if no kick lowers the energy, or after twelve kicks.
+        """Kick the solver along the mode in which the energy falls, after `look`; changes gap, and
+        p0 with a spring. Collective, one FFT pair. False if stable, if no kick lowers the energy,
+        or after twelve.
         """
         solver, mode = self.solver, self._mode
         if self.kicks >= KICKS or mode is None or self.stability > 0:
@@ -119,10 +109,8 @@ class SaddleGuard:
         return True
 
     def _length_of_kick(self, mode: np.ndarray) -> float:
-        """Return the step along the mode e, <e, K e> = 1, that lowers the energy most, or 0.
-
-        Above 0 the gap opens: retraction tries that sign first, approach the other one. The second
-        sign is only tried if the first does not lower the energy. Collective.
+        """Return the step along the mode e, <e, K e> = 1, that lowers the energy most, or 0;
+        retraction tries opening (> 0) first, approach closing. Collective.
         """
         work, largest = self._work_along(mode)
         law = self.solver.problem.attraction
@@ -141,8 +129,7 @@ class SaddleGuard:
         return 0.0
 
     def _work_along(self, mode: np.ndarray) -> tuple[float, float]:
-        """Return <w, e>, where w is the pressure of the body, and the largest |e| on the surface;
-        e is the mode. Collective."""
+        """Return <w, e>, w the body's pressure, e the mode, and the largest |e|. Collective."""
         solver = self.solver
         grid, law = solver.grid, solver.problem.attraction
         assert law is not None
@@ -175,7 +162,6 @@ class SaddleGuard:
 
 
 def _mean_of_cell(solver: Solver) -> float:
-    """Return the mean of the solver's gap over the whole grid. Collective."""
     grid = solver.grid
     parts = grid.by_rows(lambda i0, i1: float(solver.g[i0:i1].sum(dtype=np.float64)))
     return float(grid.comm.sum([sum(parts)])[0]) / grid.cell_points

@@ -43,8 +43,7 @@ class ContactModel:
 
     @property
     def follows(self) -> bool:
-        """Whether there is an attraction, and loads start from the solution of the load before,
-        however far: on retraction if they do not rise, in a cycle always."""
+        """Whether adhesive loads start from the one before, however far: retraction or a cycle."""
         return self.attraction is not None and self.branch in (RETRACTION, CYCLE)
 
     def branch_of(self, load: Load) -> str:

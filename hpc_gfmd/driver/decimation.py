@@ -1,8 +1,7 @@
 """A grid and the coarse grid of every second point, between which nested iteration goes.
 
-Decimation keeps the heights of the asperities. Averages and envelopes do not, and give worse starts
-at small loads. Coarse grids are distributed over fewer and fewer ranks; the other ranks wait until
-they get the solution in their rows.
+Decimation keeps the heights of the asperities; averages and envelopes do not, and start worse at
+small loads. Coarse grids live on fewer and fewer ranks; the others wait.
 """
 
 from __future__ import annotations
@@ -41,10 +40,7 @@ class Decimation:
 
     @classmethod
     def of(cls, grid: Grid) -> Decimation | None:
-        """Return the decimation of a grid, None if it is too coarse for one. Collective.
-
-        Allocates no fields, but creates communicators.
-        """
+        """Return the decimation of a grid, None if it is too coarse for one. Collective."""
         n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         points = [k for k, c in zip(n, coarsened) if c]
@@ -68,10 +64,8 @@ class Decimation:
         return [2 if a != b else 1 for a, b in zip(self.n, self.fine.n, strict=True)]
 
     def problem(self, problem: Problem) -> Problem | None:
-        """Return the problem on the coarse grid, None on ranks without coarse rows. Collective.
-
-        The unit of length is the spacing of the coarse grid; a pressure keeps its number, a height
-        is divided by the ratio of the spacings.
+        """Return the problem on the coarse grid, None on ranks without rows: heights are divided by
+        the ratio of the spacings, pressures stay. Collective.
         """
         step = self.steps
         h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
@@ -90,10 +84,8 @@ class Decimation:
         return replace(problem, grid=self.coarse, h=heights, height_error=0.0)
 
     def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the rows of a coarse field that this rank's fine rows need: HALO before, those
-        `beside`, HALO after, all periodic.
-
-        a: the rows that this rank owns, perhaps none. Collective.
+        """Return the coarse rows that this rank's fine rows need: HALO before, `beside`, HALO
+        after. Collective. a: own rows, perhaps none.
         """
         comm = self.fine.comm
         if np.array_equal(self.beside, self.starts):
@@ -105,10 +97,8 @@ class Decimation:
     def touching(
         self, problem: Problem, coarse: Problem | None, gap: np.ndarray | None
     ) -> Rectangle | None:
-        """Return the rectangle of all points that touch at the displacement on the coarser grid.
-
-        So heights between its points count, too. coarse, gap: None on ranks without its rows.
-        Collective.
+        """Return the rectangle of points that touch at the coarse displacement, with heights
+        between its points. Collective. coarse, gap: None on ranks without rows.
         """
         fine = self.fine
         x, y = self.steps

@@ -1,5 +1,4 @@
-"""The only loop: iterate a solver until its load is solved, a limit is exceeded or the run has to
-stop, and certify the result."""
+"""The only loop: iterate a solver until its load is solved or has to end, and certify that."""
 
 from __future__ import annotations
 
@@ -41,9 +40,8 @@ WITH_ATTRACTION = 2.5
 
 
 class Outcome(NamedTuple):
-    """How the iterations of a load have ended: a status (see `contact.Contact`), the certificate of
-    the final gap, whose recomputed pressure is the solver's p, and the FFT pairs of certificates
-    and stabilities.
+    """How a load has ended: status (see `contact.Contact`), certificate of the final gap, whose
+    pressure is the solver's p, and the FFT pairs of certificates and stabilities.
     """
 
     status: str
@@ -60,11 +58,11 @@ def drive(
     certificate: Certificate | None = None,
 ) -> Outcome:
     """Iterate a started solver until a certificate meets the criterion, or until it has to end.
+    Collective.
 
-    `watch(iterations, progress)` is called before every step unless a certificate is due; a true
-    value ends the iterations as "interrupted". `target` may change the mean pressure, `guard`
-    (required with an attraction) computes the stability and leaves saddles; `certificate` is that
-    of the start if it may be accurate enough. The solver's state becomes the solution. Collective.
+    watch(iterations, progress) before a step may end it as "interrupted". `target` may change p0;
+    `guard` (required with an attraction) computes the stability and leaves saddles; `certificate`:
+    of the start, if it may be accurate enough. The solver's state becomes the solution.
     """
     loop = Loop(solver, criterion, watch, target or Target(solver.p0), guard)
     outcome = None if certificate is None else loop.begin_with(certificate)
@@ -135,9 +133,8 @@ class Loop:
         return outcome
 
     def _may_be_met(self, progress: Progress) -> bool:
-        """Return whether a certificate may find the area accurate and the target met.
-
-        This takes a pass over all points, unlike the measure. True if a residual is requested.
+        """Return whether a certificate may find area and target accurate, by a pass over all
+        points; True if a residual is requested.
         """
         if self.criterion.accuracy is None:
             return True
@@ -156,10 +153,8 @@ class Loop:
         return None
 
     def _look(self, ahead: bool = False) -> Outcome | None:
-        """Return the outcome if a certificate accepts the state; else go on from it by a step, at
-        another load if the target asks for it, or away from a saddle.
-
-        ahead: whether the step to this state was made without its pressure.
+        """Return the outcome if a certificate accepts the state; else leave it by a step, to
+        another load, or from a saddle. ahead: the step was made without its pressure.
         """
         solver = self.solver
         guard = self.guard
@@ -195,15 +190,13 @@ class Loop:
         return None
 
     def _certificate(self) -> Certificate:
-        """Certify the present state."""
         certificate = certificate_of(self.solver, self.criterion)
         self.pairs += certificate.pairs
         return certificate
 
     def _solved(self, certificate: Certificate) -> Outcome | None:
-        """Return the outcome of an accurate state; None if it is a saddle that a spring holds.
-
-        There a search of the stability with an early end may not see all modes.
+        """Return the outcome of an accurate state; None if it is a saddle that a spring holds,
+        which a search of the stability with an early end may miss.
         """
         if self.guard is None or self.solver.problem.spring == 0:
             self.solver.uKu = certificate.uKu  # the next load may go on from here
@@ -216,10 +209,8 @@ class Loop:
 
     def _conclude(self, reason: str) -> Outcome | None:
         """Certify the final state of a load that ends for `reason`, and return its outcome; None if
-        it has stagnated at a solution of another load than the target's, which goes on elsewhere.
-
-        If the certificate meets the criterion all the same, its status replaces the reason (except
-        for "nonfinite" and "interrupted").
+        the target goes on elsewhere. A met criterion replaces the reason, except "nonfinite" and
+        "interrupted".
         """
         if self.guard is not None:
             self.pairs += self.guard.look()
@@ -247,12 +238,10 @@ def _of_lost_contact(solver: Solver) -> Certificate:
 
 
 class Limits:
-    """Decides when a certificate is computed, and when a solver has iterated long enough.
+    """Decides when a certificate is due, and when a solver has iterated long enough.
 
-    A certificate is due once the measure (`StoppingCriterion.measure`) is below a threshold, 1 at
-    first, which a refusal lowers by the factor by which errors were too large. `measure` is that of
-    the progress noted last, `asked` the same with the stability in it once `is_stable_enough` was
-    asked.
+    A certificate is due below a threshold of the measure (`StoppingCriterion.measure`), at first 1,
+    which refusals lower. `measure`: of the last progress; `asked`: with the stability in it.
     """
 
     def __init__(self, solver: Solver, criterion: StoppingCriterion):
@@ -283,10 +272,7 @@ class Limits:
             self._note_contact(progress.contact)
 
     def _note_contact(self, contact: float) -> None:
-        """Count a change of the points in contact by more than a percent as progress.
-
-        With an attraction the contact may close or open as an avalanche, while errors rise.
-        """
+        """Count a change of the contact by over a percent as progress, as in an avalanche."""
         if abs(contact - self.contact) > max(AVALANCHE * self.contact, 1):
             self.contact = contact
             self.best_at = self.solver.iterations
@@ -297,10 +283,8 @@ class Limits:
         return progress.finite and self.measure < self.threshold and is_time
 
     def ask_ahead(self, progress: Progress) -> bool:
-        """Return whether the next step and a certificate may be made together.
-
-        Once until `begin_again`, since the line search does not shorten this step. Not with an
-        attraction, where the stability comes before a certificate.
+        """Return whether the next step and a certificate may be made together: once until
+        `begin_again`, as the line search does not shorten this step; not with an attraction.
         """
         solver = self.solver
         can = solver.goes_ahead and solver.problem.attraction is None and not self.went_ahead
@@ -308,9 +292,7 @@ class Limits:
         return can and is_near and solver.iterations < self.criterion.max_iterations
 
     def note_refusal(self, certificate: Certificate, left: float) -> None:
-        """Lower the threshold after a certificate whose error was `left` times the requested
-        one.
-        """
+        """Lower the threshold after a certificate with `left` times the requested error."""
         by_residual = self.criterion.residual is not None
         error = certificate.residual if by_residual else certificate.errors[2]
         nearer = error < IMPROVEMENT * self.least_refused
@@ -321,19 +303,15 @@ class Limits:
         self._look_later(share)
 
     def wait_at_saddle(self) -> bool:
-        """Count a look at a saddle, postpone the next certificate, and return whether to iterate
-        further first.
-
-        The solver may leave the saddle by itself: two of three calls return True.
+        """Count a look at a saddle, and return whether to iterate on first, as two of three times:
+        the solver may leave by itself.
         """
         self.saddles += 1
         self._look_later(0.0)
         return self.saddles % WAITS != 0
 
     def is_stable_enough(self, progress: Progress) -> bool:
-        """Return whether a certificate is due with the stability in the estimate, or postpone
-        it.
-        """
+        """Return whether a certificate is due with the stability, or postpone it."""
         self.asked = self.criterion.measure(progress.residual, progress.estimate)
         if self.asked < self.threshold:
             return True
@@ -341,8 +319,7 @@ class Limits:
         return False
 
     def _look_later(self, share: float) -> None:
-        """Postpone the next certificate until the measure has decreased to this share of its value
-        (0.3 at least), or for ten iterations."""
+        """Postpone the next certificate to this share of the measure, or for ten iterations."""
         self.look_below = max(share, LOOK_AGAIN) * self.measure
         self.look_at = self.solver.iterations + LOOK_AGAIN_AFTER
 
@@ -352,11 +329,7 @@ class Limits:
         return self.refusals > REFUSALS
 
     def exceeded(self, progress: Progress) -> str | None:
-        """Return the status with which the iterations have to end, or None. Call `note` before.
-
-        It is "nonfinite", "max_iterations", or "stagnated" after too many iterations without
-        progress.
-        """
+        """Return the status with which iterations have to end, or None. Call `note` before."""
         if not progress.finite:
             return "nonfinite"
         if self.solver.iterations >= self.criterion.max_iterations:
@@ -374,9 +347,8 @@ class Limits:
 def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
     """Certify the solver's gap, and overwrite its pressure with the recomputed one. Collective.
 
-    The fields of the levels are overwritten, too, and with `criterion.in_turn` the last step is
-    lost: the solver needs `restart` before its next step. With `criterion.closes` and all points in
-    contact the errors of area and mean gap are 0.
+    Overwrites the levels, and with `criterion.in_turn` the last step: the solver needs `restart`.
+    With `criterion.closes` and all points in contact the errors of area and gap are 0.
     """
     with solver.room() if criterion.in_turn else nullcontext():
         certificate = certify(

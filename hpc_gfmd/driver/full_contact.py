@@ -1,9 +1,8 @@
 """Full contact is a start, a gap of 0: the certificate accepts it if no point is in tension.
 
-The smallest load that closes the gap follows from a closed contact, which is linear in the load: p
-= p0 p1 + p_h, where p1 is the pressure of a flat surface at a mean of 1 (1 on a periodic one). It
-is max(-p_h/p1), at which the last point is just not in tension; with free edges iterations relax
-the displacement beyond the surface.
+A closed contact is linear in the load, p = p0 p1 + p_h, p1 being the pressure of a flat surface at
+a mean of 1. The smallest load that closes it is max(-p_h/p1); with free edges iterations relax the
+displacement beyond the surface.
 """
 
 from __future__ import annotations
@@ -24,8 +23,8 @@ if TYPE_CHECKING:
 
 
 def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tuple[float, float]:
-    """Return the largest tension of a closed contact, max(-p/unit) over the surface, and the
-    rounding error of p that may occur. Below 0 all points are pressed. Collective.
+    """Return the largest tension max(-p/unit) of a closed contact and the rounding error of p;
+    below 0 all points are pressed. Collective.
     """
     rows, points = grid.inside
 
@@ -54,8 +53,9 @@ class Pressure(Target):
         return missing is not None
 
     def _missing(self, solver: Solver, certificate: Certificate) -> float | None:
-        """Return the pressure that takes the tension of a closed gap away, if it is no more than
-        rounding errors of double precision; else None."""
+        """Return the pressure that takes a closed gap's tension away, if within double precision's
+        rounding errors.
+        """
         is_closed = certificate.gap_mean == 0 and certificate.contact < solver.N
         if not is_closed or solver.problem.dtype != np.float64:
             return None
@@ -65,10 +65,8 @@ class Pressure(Target):
 
 
 class Closing(Target):
-    """The smallest load that closes the gap: the lowest pressure at a closed gap is just above 0.
-
-    tolerance: largest relative error of the load. unit: with free edges pressure and displacement
-    beyond the surface (local slab) of a flat surface at a mean pressure of 1, to be set before the
+    """The smallest load that closes the gap, to a relative tolerance. unit: with free edges
+    pressure and displacement (local slab) of a flat surface at a mean of 1, set before the
     iterations.
     """
 
@@ -81,8 +79,9 @@ class Closing(Target):
         self.unit: np.ndarray | None = None
 
     def follow(self, solver: Solver, progress: Progress, coarse: bool = False) -> bool:
-        """Go to the smallest load that closes the gap of the start; later raise it if a point is in
-        tension. Not on coarse grids, which lack points."""
+        """Go to the smallest load that closes the start; raise it later under tension. Not on
+        coarse grids, which lack points.
+        """
         lowest, rounding = self._lowest(solver)
         is_small = solver.iterations > 0 or lowest <= 2 * rounding
         if coarse or (lowest > 0 and is_small):
@@ -108,8 +107,7 @@ class Closing(Target):
         return self._press(solver, rounding - lowest)
 
     def _lowest(self, solver: Solver) -> tuple[float, float]:
-        """Return by how much the load is above that at which the first point opens, and the
-        rounding error of that number."""
+        """Return by how much the load is above that of the first open point, and its rounding."""
         tension, rounding = tension_of(solver.grid, solver.p, self.unit)
         stored = solver.problem_now.rounding if self.unit is not None else 0.0
         return -tension, max(rounding, stored)
@@ -136,11 +134,8 @@ class Closing(Target):
 
 
 def needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
-    """Return whether a contact solved in single precision must be solved in double precision.
-
-    It must if it stagnated or is not finite, if points are open but the mean gap is below rounding
-    errors, or if all points are closed but rounding errors may hide a tension (unless the smallest
-    load that closes it is sought). Collective.
+    """Return whether a contact needs double precision: it stagnated, is not finite, has a mean gap
+    or (if closed) a tension below rounding errors. Collective.
     """
     if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
         return True

@@ -1,10 +1,9 @@
 """Errors by the grid: what a contact has on coarser grids tells how much finer ones change it.
 
 The estimate is the difference from the contact on every second point, or half of that on every
-fourth, whichever is larger: one difference alone may vanish by chance. It is cautious, since most
-errors fall with the square of the spacing. The largest pressure is that of a single point, and
-differs more at random: two more grids count, and the result twice. docs/accuracy.md has the
-measurements.
+fourth, if larger, as one difference may vanish by chance; cautious, since most errors fall with the
+square of the spacing. The largest pressure, of a single point, is more random: two more grids
+count, and the result twice. docs/accuracy.md has the measurements.
 """
 
 from __future__ import annotations
@@ -33,8 +32,8 @@ class CoarseContact(NamedTuple):
 def coarser_contacts(
     solver: Solver, coarser: Sequence[CoarseContact], scale: float
 ) -> list[CoarseContact]:
-    """Return the solver's present state (dents as a gap of 0) and those of still coarser grids, in
-    the unit of a grid whose spacing is 1/scale of the solver's. Collective.
+    """Return the solver's state (dents as a gap of 0) and those of coarser grids, in the unit of a
+    grid whose spacing is 1/scale of the solver's. Collective.
     """
     grid = solver.problem.grid
     rows, points = grid.inside
@@ -52,10 +51,8 @@ def coarser_contacts(
 
 
 def grid_errors(contact: Contact, coarser: Sequence[CoarseContact]) -> GridErrors | None:
-    """Return the errors by the grid of a contact; None where nothing touches. Collective.
-
-    A load that prescribes an area or a gap has another mean pressure on each grid, whose relative
-    difference adds to the others.
+    """Return the errors by the grid, None where nothing touches; a prescribed area or gap adds the
+    change of the mean pressure. Collective.
     """
     largest = contact_pressure_max(contact) / contact.pressure_unit
     p0 = contact.p_mean / contact.pressure_unit

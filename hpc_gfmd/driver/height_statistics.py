@@ -47,13 +47,12 @@ class HeightStatistics(NamedTuple):
 
 
 def carried_alone(problem: Problem, depth: float) -> float:
-    """Return a mean pressure up to which a single highest point certainly carries the load alone; 0
-    without a next point, which is `depth` lower.
+    """Return a mean pressure that the highest point certainly carries alone, if the next is `depth`
+    lower.
 
-    A mean pressure p0 presses the point down by N p0 S_00 relative to the mean of the surface. The
-    next point may rise relative to this mean, but by less than that divided by the number of points
-    along the shorter axis. A point that yields carries no more than the hardness, and falls
-    to the next point there: half of it keeps away from that jump.
+    p0 presses the point down by N p0 S_00 relative to the mean of the surface, above which the next
+    one rises by less than that over the points along the shorter axis. With a hardness half of the
+    load at which the point yields counts.
     """
     if not np.isfinite(depth):
         return 0.0

@@ -1,16 +1,14 @@
 """With an attraction: how a spring holds a mean gap or an approach.
 
-Under a dead load the bodies jump wherever the gap decreases while the load decreases, too. With a
-spring of stiffness k (operators/problem.py) these states are stable if k exceeds the slope dp0/dgap
-of the contact there. What is certified is the equilibrium at the same end of the spring: its mean
-gap and its p0 differ together from those of the state, and stability includes the spring.
+Under a dead load the bodies jump where gap and load decrease together. With a spring of stiffness k
+(operators/problem.py) such states are stable if k exceeds dp0/dgap there. What is certified is the
+equilibrium at the same end of the spring, whose mean gap and p0 differ from those of the state.
 
-- An approach: k is the body's stiffness against a uniform pressure. The mean displacement and p0
-  then always add up to the same approach, which does not change from the first step on.
-- A mean gap: k is eight times the stiffness against a wave as long as the cell at first. A secant
-  method moves the end of the spring until the mean gap is the prescribed one. Where the contact
-  jumps past it, it begins again with a stiffer spring. At an infinite k the gap is fixed, and the
-  state of least energy at that gap is stable, so there is one that a stiff enough spring holds.
+- An approach: k is the body's stiffness against a uniform pressure, so that the mean displacement
+  and p0 add up to the same approach from the first step on.
+- A mean gap: k is eight times the stiffness against a wave as long as the cell at first; a secant
+  method moves the end of the spring. Where the contact jumps past the gap, it begins again with a
+  stiffer spring: at an infinite k the state of least energy at that gap is stable.
 """
 
 from __future__ import annotations
@@ -38,12 +36,11 @@ JUMPS = "the contact jumps past the prescribed value: no equilibrium was found t
 
 
 class Held(Target):
-    """A search that moves the end of a spring until a mean gap or an approach (`quantity`) is met.
+    """Moves the end of a spring until a mean gap or an approach (`quantity`, program's unit) is
+    met.
 
-    tolerance: relative to `unit`, |target|, for an approach no less than the range of the
-    attraction. `gap_at_start` is kept until the target is met. `touches`: whether the target is a
-    mean gap at which the bodies touch; `note`: JUMPS once the search has given up. Lengths are in
-    the program's unit.
+    tolerance: relative to `unit`, |target|, for an approach at least the range. `touches`: bodies
+    touch at the mean gap; `gap_at_start`: until it is met; `note`: JUMPS once the search gave up.
     """
 
     is_sought = True
@@ -92,14 +89,11 @@ class Held(Target):
         return self.p0
 
     def _value(self, certificate: Certificate) -> float:
-        """Return the mean gap or approach that a certificate found."""
         return float(getattr(certificate, self.quantity))
 
     def judge(self, solver: Solver, certificate: Certificate) -> float:
-        """Store the solver's p0; return the miss of the target over the tolerance (met below 1).
-
-        The certified error of the mean gap is subtracted from the tolerance first, of which a tenth
-        is left at least.
+        """Store the solver's p0; return the miss over the tolerance less the gap's certified error
+        (a tenth is left at least): met below 1.
         """
         self.p0 = solver.p0
         error = certificate.errors[1] * certificate.gap_mean / self.unit
@@ -107,10 +101,8 @@ class Held(Target):
         return abs(self._value(certificate) - self.target) / self.unit / room
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Move the end of the spring to where a secant expects the target, and continue there.
-
-        The spring becomes stiffer if the contact has jumped past the target. Does nothing and
-        returns False unless `solved`, and after MOST_TRIALS, of which `note` tells.
+        """Move the end of the spring by a secant, with a stiffer one after a jump past the target;
+        False unless `solved`, and after MOST_TRIALS.
         """
         if not solved:
             return False
@@ -129,8 +121,7 @@ class Held(Target):
     def _jumps(
         self, before: tuple[float, float] | None, missed: float, certificate: Certificate
     ) -> bool:
-        """Return whether the contact has jumped past a mean gap: it has closed, or the bodies are
-        nearly as far on the other side of the target as before or farther."""
+        """Return whether the contact has closed, or is as far on the other side of the target."""
         if self.quantity != "gap_mean":
             return False
         if certificate.gap_mean == 0 or before is None:
@@ -138,10 +129,8 @@ class Held(Target):
         return missed * before[1] < 0 and abs(missed) > HALVED * abs(before[1])
 
     def bring_back(self, solver: Solver) -> bool:
-        """Move the end of the spring in by as much as separated bodies are too far apart.
-
-        If they touched before they have jumped, and the spring becomes stiffer. Returns False after
-        MOST_TRIALS, of which `note` tells.
+        """Move the spring in by as much as separated bodies are too far apart, stiffer if they
+        jumped; False after MOST_TRIALS.
         """
         if self._before is not None:
             return self._stiffen(solver)
@@ -149,8 +138,9 @@ class Held(Target):
         return self._move(solver, self._stiffness_of(solver) * missed)
 
     def _stiffen(self, solver: Solver) -> bool:
-        """Begin again at the gap of the start with a stiffer spring, which holds the target by the
-        mean pressure of the start. Takes one FFT pair; returns False after MOST_TRIALS."""
+        """Begin again at the gap of the start with a stiffer spring and its mean pressure, by an
+        FFT pair; False after MOST_TRIALS.
+        """
         self._before = None  # solutions with another spring say nothing of this one
         self._stiffness *= STIFFER
         gap = self.gap_at_start
@@ -160,8 +150,9 @@ class Held(Target):
         return self._move(solver, self._stiffness_of(solver) * missed, self.gap_at_start)
 
     def _move(self, solver: Solver, step: float, gap: np.ndarray | None = None) -> bool:
-        """Move the end of the spring by a step, which changes p0 of the solver at its present gap,
-        or at the start (`gap`). Returns False and does nothing after MOST_TRIALS."""
+        """Move the end of the spring by a step, which changes p0 at the present gap, or the start
+        (`gap`); False after MOST_TRIALS.
+        """
         self._trials += 1
         if self._trials > MOST_TRIALS:
             self.note = JUMPS

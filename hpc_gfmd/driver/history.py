@@ -1,6 +1,6 @@
-"""Loads that follow from each other: before each one the wall changes by what the loads before have
-left (memory.py), and on the changed wall it is an elastic contact like any other, with its search,
-coarser grids, precision and certificate."""
+"""Loads that follow from each other: the wall changes by what the loads before have left
+(memory.py); on it a load is an elastic contact like any other.
+"""
 
 from __future__ import annotations
 
@@ -36,8 +36,9 @@ OF_SEARCHED = 0.02
 
 
 def _shares(loads: Sequence[Load]) -> list[float]:
-    """Return the accuracy that each load needs, over that requested: the wall keeps its absolute
-    errors, which are larger relative ones at a lighter load later."""
+    """Return the share of the accuracy for each load: the wall keeps absolute errors, relatively
+    larger at lighter loads.
+    """
     if not loads[0].is_pressure:
         return [OF_SEARCHED] * (len(loads) - 1) + [1.0]
     shares = [1.0]
@@ -49,11 +50,8 @@ def _shares(loads: Sequence[Load]) -> list[float]:
 
 
 class History:
-    """Solves loads with a memory, in the place of a Sweep that is at its first load on the original
-    surface.
-
-    Each load starts anew: a start from the load before saves nothing, as the wall has changed.
-    elements: share and time of each that relaxes; `memory`: what the loads so far have left.
+    """Solves loads with a memory in place of a Sweep, each anew, as the wall has changed. elements:
+    share and time of each that relaxes; `memory`: what loads have left.
     """
 
     def __init__(self, sweep: Sweep, elements: Sequence[Element] = (), keeps_dents: bool = False):
@@ -83,8 +81,7 @@ class History:
         return self._sweep.coarser
 
     def loads(self, table: LoadTable) -> list[Load]:
-        """Return the loads of the table [load] of a scene, as `Sweep.loads`, with times and
-        shares."""
+        """Return the loads of the table [load], as `Sweep.loads`, with times and shares."""
         loads = self._first.loads(table)
         times = table.time or [0.0] * len(loads)
         return [
@@ -95,12 +92,9 @@ class History:
     def solve(
         self, load: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
     ) -> Contact:
-        """Solve a load on what the loads before have left, and remember what it leaves; see
-        `Sweep.solve`.
-
-        The contact is that with the original wall and E*; its errors contain those that the loads
-        before have left. Once the errors of a load are not known, its status is that of all later
-        ones. Collective.
+        """Solve a load on what others left, and remember what it leaves; see `Sweep.solve`.
+        Collective. The contact is that of the original wall and E*, with inherited errors; once
+        these are unknown, later loads keep that status.
         """
         dt = 0.0 if self._time is None else load.time - self._time
         shift, factor = self.memory.position.before(dt)
@@ -129,13 +123,13 @@ class History:
         return self._as_original(contact, load, factor, float(approach))
 
     def _lowest(self, dt: float) -> float:
-        """Return the smallest initial gap of the changed wall. Collective."""
         h = self._original.gap + self.memory.before(dt)
         return float(self._original.grid.comm.min([h.min(initial=np.inf)])[0])
 
     def _sweep_on(self, dt: float, lowest: float, factor: float, share: float) -> Sweep:
         """Return the sweep of a load on the changed wall, lowered by `lowest`, with E* x factor, to
-        a share of the requested accuracy."""
+        a share of the accuracy.
+        """
         settings = self.settings
         if settings.accuracy is not None and settings.precision != "single":
             finest = min(settings.accuracy, FINEST + 2 * self.working.model.body.error)
@@ -158,11 +152,8 @@ class History:
         return Sweep(changed, settings, model, of_result=self.settings.accuracy)
 
     def _load_on(self, load: Load, nearer: float) -> tuple[Load, float | None]:
-        """Return a load as it is on the changed wall, and how far the bodies are apart (None:
-        pressed together).
-
-        nearer: by how much the body has come nearer when it first touches the changed wall.
-        Collective.
+        """Return a load as it is on the changed wall, and how far bodies are apart (None: pressed).
+        Collective. nearer: approach when it first touches.
         """
         unit = self._original.height_unit
         if load.quantity == "approach":
@@ -176,8 +167,7 @@ class History:
         return load, apart if apart >= 0 else None
 
     def _as_original(self, contact: Contact, load: Load, factor: float, approach: float) -> Contact:
-        """Return a contact on the original wall and with the original E*, which are those of its
-        units, with the dents so far; factor: of E* in this step."""
+        """Return a contact on the original wall with the original E*, with the dents so far."""
         np.multiply(contact.p, contact.p.dtype.type(factor), out=contact.p)
         certificate = contact.certificate
         # the energy of a body that relaxes is not that of its displacement

@@ -16,11 +16,9 @@ if TYPE_CHECKING:
 
 
 class InheritedError:
-    """Makes a `Problem.height_error` from the certificates of the loads before.
-
-    The error of a displacement lasts for its own load only, and the body forgets it, as it forgets
-    the displacement; dents have the largest error of all loads. Errors of loads do not depend on
-    each other, so that their squares are added. The same on all ranks.
+    """Makes `Problem.height_error` from earlier certificates, the same on all ranks. Errors of
+    displacements fade as the body forgets, dents keep the largest; independent, so squares are
+    added.
     """
 
     def __init__(self, elements: Sequence[Element], keeps_dents: bool):
@@ -35,8 +33,7 @@ class InheritedError:
         return hypot(float(np.linalg.norm(of_loads)), self.of_dents)
 
     def after(self, dt: float, certificate: Certificate) -> bool:
-        """Remember the errors of a load, which contain the inherited one, at the end of a step of
-        dt; return whether they are known."""
+        """Remember a load's errors after a step of dt; return whether they are known."""
         inherited = self.before(dt)
         _, gap, pressure = certificate.errors
         loaded = certificate.contact > 0

@@ -43,8 +43,7 @@ class Load:
         return self.quantity == "pressure"
 
     def is_beyond(self, other: Load) -> bool:
-        """Return whether this load holds the bodies at least as far apart as another one of the
-        same quantity, which is no area."""
+        """Return whether this load holds the bodies at least as far apart as another one."""
         if self.quantity == "gap_mean":
             return self.value >= other.value
         return self.value <= other.value

@@ -1,13 +1,10 @@
-"""The working surface for the largest systems: the heights are not kept while iterating, so that
-little more than four fields are in memory.
+"""The working surface for the largest systems: little more than four fields, no heights kept.
 
-The starting gap overwrites the heights. The displacement u = g - h is completed in Fourier space,
-where the transform of h is known mode by mode; every load that does not start from the one before
-makes the surface again. With free edges the heights take a quarter or half of a field, and are
-kept.
-
-On large grids at small loads the first pressure and the certificates are in double precision; the
-solver then frees its transforms and its last step while they are computed.
+The starting gap overwrites the heights; u = g - h is completed in Fourier space, where the
+transform of h is known by modes, and loads that do not start from the one before make the surface
+again. With free edges the heights, a quarter or half of a field, are kept. On large grids at small
+loads the first pressure and certificates are in double precision; meanwhile the solver frees its
+transforms and last step.
 """
 
 from __future__ import annotations
@@ -29,10 +26,8 @@ if TYPE_CHECKING:
 
 
 class LowMemorySurface(WorkingSurface):
-    """A surface whose heights are not stored during the iterations; `surface` changes from load to
-    load.
-
-    Raises SceneError if the periodic surface is not known by its modes, see surface/modes.py.
+    """A surface without stored heights; `surface` changes from load to load. SceneError unless a
+    periodic surface is known by modes (surface/modes.py).
     """
 
     saves_memory = True
@@ -54,9 +49,7 @@ class LowMemorySurface(WorkingSurface):
 
     def problem_to_iterate(self, problem: Problem) -> Problem:
         """Return the problem with the spectrum in place of the heights, which are freed, also those
-        of `self.surface`.
-
-        With free edges both keep them. Memory that the C library holds goes back to the system.
+        of `self.surface` (not with free edges).
         """
         if self.surface.add_spectrum is not None:
             spectrum = HeightSpectrum(self.surface.add_spectrum, self.dtype)
@@ -66,9 +59,7 @@ class LowMemorySurface(WorkingSurface):
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
-        """Return the array of the heights, which the starting gap then overwrites; None with free
-        edges, where the heights are kept.
-        """
+        """Return the array of the heights, for the starting gap; None with free edges."""
         return None if self.surface.grid.padded else problem.heights
 
     def nested(self) -> Nested:
@@ -76,9 +67,7 @@ class LowMemorySurface(WorkingSurface):
         return Nested(self.surface.grid, self.dtype)
 
     def rounding_counts(self, problem: Problem) -> bool:
-        """Return whether transforms are too noisy, so that the certificate must be computed in
-        double precision; never for bodies whose stiffness takes a table in memory.
-        """
+        """Return whether transforms are too noisy; never for bodies whose K takes a table."""
         return not self.model.body.table_share and self.is_noisy(problem)
 
 

@@ -52,18 +52,16 @@ class Maxwell:
 
 
 def _decay(dt: float, tau: float) -> tuple[float, float]:
-    """Return e = exp(-dt/tau) and f = (1 - e) tau/dt."""
     x = dt / tau
     return (exp(-x), -expm1(-x) / x) if x > 0 else (1.0, 1.0)
 
 
 class Memory:
-    """The state of the points of this rank between two loads. Pointwise, without messages.
+    """The state of this rank's points between two loads, in the program's unit of heights.
 
-    Lengths are in the program's unit of heights. elements: share and time of each that relaxes;
-    keeps_dents: whether there is a hardness, whose dents stay. `dents` is their depth so far, a new
-    array at each load; `body` the memory of the displacement of the surface, `position` that of the
-    undeformed body: 0 at the first touch, then minus its approach; nan where that is unbounded.
+    elements: share and time of each that relaxes; keeps_dents: with a hardness. `dents`: depths, a
+    new array at each load; `body`: memory of the displacement; `position`: that of the undeformed
+    body, 0 at first touch, then minus its approach, or nan.
     """
 
     def __init__(
@@ -79,10 +77,7 @@ class Memory:
         return -c if self.dents is None else self.dents - c
 
     def after(self, dt: float, g: np.ndarray, h: np.ndarray, position: float) -> None:
-        """Remember the gap g (below 0 in new dents) at the end of a step of dt.
-
-        h: initial gap of the original wall; position: that of the undeformed body.
-        """
+        """Remember the gap g (< 0 in new dents) after a step of dt; h: of the original wall."""
         u = np.maximum(g, 0) - h if self.body.elements else 0.0
         if self.dents is not None:
             deeper = np.negative(g, dtype=np.float64)

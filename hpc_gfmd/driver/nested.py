@@ -1,8 +1,7 @@
-"""Nested iteration (cascadic multigrid): solve on decimated grids first, roughly, and interpolate
-the displacement to the next finer grid.
+"""Nested iteration (cascadic multigrid): solve decimated grids roughly first, and interpolate.
 
-The displacement is then corrected locally for the finer grid's own heights, without an FFT
-(kernels/prolong.py). This saves one or two iterations.
+The displacement is then corrected for the finer grid's own heights without an FFT
+(kernels/prolong.py), which saves one or two iterations.
 """
 
 from __future__ import annotations
@@ -40,10 +39,8 @@ MOST_ITERATIONS = 60  # on a coarse grid
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
-    """Return the gap of a rigid plane that is pressed into the surface down to mean + rms height.
-
-    Heights above the plane are cut off: the gap is 0 there. Beyond the surface it is the
-    displacement of the plane. Needs stored heights. Collective.
+    """Return the gap of a rigid plane pressed down to mean + rms height, 0 where it is cut off.
+    Collective. Needs stored heights.
     """
     h = problem.heights
     if problem.p0 >= problem.body.full_p_star:
@@ -73,8 +70,7 @@ def undeformed_gap(problem: Problem) -> np.ndarray:
 
 
 class Candidate(NamedTuple):
-    """A gap to start from, or a box to solve the contact in. The same on all ranks, but for the
-    gap."""
+    """A gap (local slab) to start from, or a box to solve the contact in."""
 
     gap: np.ndarray | None  # local slab; None with a box
     pairs: float = 0.0  # FFT pairs that it took, converted to pairs of the grid
@@ -86,11 +82,10 @@ class Candidate(NamedTuple):
 
 
 class Nested:
-    """All coarser grids of a grid, with their transforms; makes starts on it. Collective.
+    """All coarser grids of a grid, with their transforms. Collective.
 
-    finer: number of grids that are finer. `step` leads to the next coarser grid, None without one;
-    `coarser` is the same for that grid, None if there is none, or no rows of it on this rank;
-    `reduction` is the residual to reach there over that of the start.
+    finer: number of finer grids. `step` leads to the next coarser one, `coarser` (None without rows
+    of it on this rank); `reduction`: of the residual there.
     """
 
     def __init__(self, grid: Grid, dtype: DTypeLike, finer: int = 0):
@@ -126,13 +121,12 @@ class Nested:
         into: np.ndarray | None = None,
         find_box: FindBox | None = None,
     ) -> Candidate:
-        """Solve a problem roughly on the coarser grids, and interpolate to a start on this grid.
+        """Solve roughly on coarser grids, from `cold_gap` on the coarsest, and interpolate.
+        Collective.
 
-        On the coarsest grid the start is a rigid plane (`cold_gap`). `target` has or finds the mean
-        pressure on every grid; it changes. `into` gets the gap; it may be that of problem.h.
-        find_box looks at the problem on the next coarser grid and the gap to start from there: if
-        it returns a Box, and there is one with the heights of this grid, too, nothing more is
-        solved. Raises Stopped on all ranks.
+        `target` has or finds, and changes, p0 on every grid. `into` gets the gap, perhaps that of
+        problem.h. find_box, before a start on the next coarser grid, may return a Box: then, if it
+        has the heights of this grid, nothing more is solved. Stopped is raised on all ranks.
         """
         if self.step is None:
             g = cold_gap(problem)
@@ -185,10 +179,7 @@ class Nested:
         find_box: FindBox | None,
         comm: Comm,
     ) -> tuple[Candidate | None, Box | None]:
-        """Return the start on the next coarser grid, None on ranks without rows of it; and its box.
-
-        Collective on `comm`, that of this grid.
-        """
+        """Return the start on the next coarser grid, None without rows, and its box. Collective."""
         start = box = None
         signal = 0
         if coarse is not None and self.coarser is not None:
@@ -207,11 +198,8 @@ class Nested:
 def roughly_solved(
     problem: Problem, make_solver: MakeSolver, g: np.ndarray, reduction: float, target: Target
 ) -> Solver:
-    """Make a solver, start it from g, and reduce the residual by `reduction`, without a
-    certificate.
-
-    After MOST_ITERATIONS, or if the state is not finite, the solver is returned as it
-    is. Raises Stopped on all ranks. Collective.
+    """Return a solver started from g, iterated until the residual falls by `reduction` or for
+    MOST_ITERATIONS, without a certificate. Collective; raises Stopped on all ranks.
     """
     solver = make_solver(problem)
     solver.start(g)
@@ -235,12 +223,8 @@ def _prolong(
     full: bool,
     into: np.ndarray | None,
 ) -> np.ndarray:
-    """Interpolate a coarse solution to the grid of `problem`, correct it locally, and return the
-    gap.
-
-    The gap of the coarse solver is overwritten. coarse, solver: None on ranks without coarse rows;
-    full: the coarse solution is full contact, and the gap 0; into: gets the gap, perhaps that of
-    the heights. Collective.
+    """Interpolate a coarse solution, whose gap is overwritten, and correct it locally. Collective.
+    coarse, solver: None without rows; full: the gap is 0; into: memory, perhaps the heights'.
     """
     fine = problem.grid
     real = problem.dtype.type

@@ -1,5 +1,4 @@
-"""When single precision suffices, and when the certificate must be in double precision: rules that
-runs follow and plans predict."""
+"""When single precision suffices, and when the certificate must be in double precision."""
 
 from __future__ import annotations
 
@@ -29,9 +28,7 @@ NOISE = 0.2
 
 
 def first_precision(settings: SolverTable) -> np.dtype:
-    """Return the precision of a sweep's first load; "auto" is single from an accuracy of 2e-4
-    on.
-    """
+    """Return the precision of a sweep's first load; "auto": single from an accuracy of 2e-4 on."""
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
     loose = settings.accuracy is not None and settings.accuracy >= FINEST
@@ -39,11 +36,8 @@ def first_precision(settings: SolverTable) -> np.dtype:
 
 
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
-    """Return whether too few points will touch at p_star for the area to be accurate in single
-    precision.
-
-    Single precision may put a few points into the wrong set. True if p_star <= 0, as then any
-    number of points may touch; False without an accuracy.
+    """Return whether too few points touch at p_star for the area in single precision, which may
+    misplace a few; True if p_star <= 0, False without an accuracy.
     """
     if p_star <= 0:
         return True
@@ -69,22 +63,15 @@ def too_coarse(
 
 
 def rounding_in_single(h_rms: float) -> float:
-    """Return the rms error of the pressure, over E* g_rms, due to storing heights in single
-    precision.
-
-    h_rms: over g_rms times the grid spacing.
-    """
+    """Return the rms pressure error, over E* g_rms, of heights in single; h_rms: over g_rms a."""
     return ROUNDING * float(np.finfo(np.float32).eps) * h_rms
 
 
 def precisions(
     scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
 ) -> list[np.dtype | None]:
-    """Predict the precision of each load of a scene; nothing is solved.
-
-    With "auto" it becomes double at the first load at which too few points touch or rounding errors
-    are too large, and stays so. A load that cannot be predicted has `unknown`; if that is None,
-    later loads are predicted as if it were in single precision.
+    """Predict the precision of each load without solving: "auto" becomes double, for good, once
+    points are few or rounding large. Unpredictable ones have `unknown`; None: go on as in single.
     """
     settings = scene.solver
     precision = first_precision(settings)
@@ -109,10 +96,7 @@ def precisions(
 
 
 def least_precision(scene: Scene, N: int) -> np.dtype:
-    """Return the lowest precision in which the loads of a scene may run, by its keys alone.
-
-    Loads whose p* the keys do not tell are left out.
-    """
+    """Return the lowest precision in which loads of a scene may run, by its keys alone."""
     settings = scene.solver
     if settings.precision == "auto":
         for p_star in known_p_stars(scene, getattr(scene.surface, "g_rms", None)):
@@ -125,10 +109,8 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
 
 
 def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
-    """Return p* = p0/(E* g_rms) of each load of a scene, without solving anything.
-
-    For a prescribed area its half, which is about p* at light loads. None for a gap or an approach,
-    and for a pressure without `g_rms`.
+    """Return p* of each load of a scene, half of a prescribed area; None for gaps, approaches, and
+    pressures without `g_rms`.
     """
     name, values = scene.load.prescribed
     if name == "p_star":
@@ -143,12 +125,8 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
 
 
 def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
-    """Return rms slope, and rms height over it and the grid spacing, of a scene's surface, without
-    making it on its full grid.
-
-    For a self-affine surface they follow from its keys, for others from a surface on a coarse grid
-    that is made here. Both None for a height map, a spectrum or Fourier coefficients, and for
-    roughness on a round body; h_rms None for a flat surface.
+    """Return rms slope, and rms height over it and the spacing, by keys or a coarse surface; None
+    for maps, spectra, Fourier coefficients and rough balls; h_rms None if flat.
     """
     surface = scene.surface
     if surface.kind == "file" or surface.kind == "spectrum" or surface.kind == "fourier":
@@ -165,11 +143,8 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
 
 
 def pressure_that_counts(settings: SolverTable, p_star: float) -> float:
-    """Return the rms error of the pressure at open points, over E* g_rms, that the requested
-    accuracy allows.
-
-    It is residual * p_star, which is below 0 under tension, or accuracy * sqrt(p_star), which is 0
-    under tension and without an accuracy.
+    """Return the rms pressure error, over E* g_rms, that the accuracy allows: residual p_star or
+    accuracy sqrt(p_star) (0 without one).
     """
     if settings.residual:
         return settings.residual * p_star

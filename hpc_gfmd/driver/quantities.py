@@ -1,5 +1,4 @@
-"""The quantities that a load may prescribe: contact area, mean gap and approach, each by its value
-and by what makes it straight (root.py)."""
+"""The quantities that a load may prescribe: value, and what makes it straight (root.py)."""
 
 from __future__ import annotations
 
@@ -65,10 +64,9 @@ class Gap(Root):
 
 
 class Opening(Gap):
-    """A mean gap next to full contact, a power of (closes_at - p0)/p0; starts from a gap of 0.
-
-    Where a few points are open this takes half the FFT pairs that `Gap` takes. opens: distance of
-    p0 from the load that closes the gap at which one open point makes this gap.
+    """A mean gap next to full contact, a power of (closes_at - p0)/p0, from a gap of 0: half the
+    pairs of `Gap` where few points are open. opens: distance to closing at which one open point
+    makes it.
     """
 
     usual = 1.5
@@ -126,9 +124,9 @@ class Approach(Root):
 class Area(Root):
     """A relative contact area: a number of points, which may jump over the target.
 
-    What is continuous in the load is the change of pressure with which the right number of points
-    would touch (`changes`). The area jumps if all points that touch at one bound only need the same
-    change, except for rounding errors. Then the nearer bound is the solution, and `note` says so.
+    What is continuous is the change of pressure with which the right number would touch
+    (`changes`). The area jumps if all points that touch at one bound only need the same change, up
+    to rounding: the nearer bound is then the solution, and `note` says so.
     """
 
     quantity = "a_r"
@@ -169,10 +167,8 @@ class Area(Root):
 
     @property
     def aim(self) -> float:
-        """The area on this grid at the load that gives the value on the finest one.
-
-        On a coarse grid, whose slopes are smaller, it follows from Persson's theory. The highest
-        points touch at any load.
+        """The area on this grid at the target's load: on coarse grids, of smaller slopes, by
+        Persson's theory, with the highest points at least.
         """
         aim = self.value
         finer = self.finest.steepness / (self.heights.steepness or inf)
@@ -189,11 +185,7 @@ class Area(Root):
         return miss if miss * self.aim * points > max(POINT - beyond, 0.0) else 0.0
 
     def straight(self, y: float) -> float:
-        """x of the load at which Persson's theory, erf(c p0), has this area.
-
-        With a hardness the area p0/hardness of a yielding contact counts, too. y is at most 1 less
-        a quarter of a point.
-        """
+        """x of the load at which Persson's theory, plus p0/hardness, has the area y."""
         y = min(y, 1 - 0.25 / self.heights.points)
         if y <= 0:
             return -inf
@@ -218,10 +210,8 @@ class Area(Root):
         return certificate.contact / solver.N, certificate.errors[0]
 
     def changes(self, solver: Solver, *ranks: int) -> list[float]:
-        """Return the changes of pressure with which these numbers of points touch.
-
-        A point in contact opens if its pressure p is taken away, an open one closes if its gap g
-        over the compliance of the shortest wave is added.
+        """Return the changes of pressure with which these numbers of points touch: p opens a point,
+        gap over compliance closes it.
         """
         real = solver.problem.dtype.type
         stiffness = real(solver.problem.body.scale(solver.grid))
@@ -275,10 +265,8 @@ class Area(Root):
         return left
 
     def _look_for_jump(self, solver: Solver, certificate: Certificate) -> float:
-        """Set `jumps` and `note` if the points between the bounds all change sides at one load.
-
-        Returns the factor by which the pressure must become more accurate to decide this; 0 if it
-        is decided, or if iterations cannot improve the pressure.
+        """Set `jumps` and `note` if all points between the bounds change at one load; return how
+        much more accurate the pressure must be, 0 if decided or impossible.
         """
         assert self.low is not None
         assert self.high is not None
@@ -326,9 +314,7 @@ class Area(Root):
 
 
 def opening_load(gap_mean: float, working: WorkingSurface) -> float:
-    """Return how far below full contact a load (program's unit) is at which one open point alone
-    makes a mean gap, in the unit of the heights.
-    """
+    """Return how far below full contact (program's unit) one open point alone makes a mean gap."""
     grid = working.surface.grid
     gap_of_point = gap_mean / working.surface.height_unit * grid.N
     return gap_of_point * float(working.model.body.near(grid)[0])

@@ -38,9 +38,9 @@ Value = tuple[float, float]  # a value and its relative error
 
 
 class Bound(NamedTuple):
-    """A certified load on one side of the target: x, its value, a continuous distance from the
-    target (below 0 if the load is too small), and the x of the first load here with this value,
-    farther from the target, where a less accurate solution tells the value."""
+    """A certified load on one side: x, value, continuous distance (< 0: too small a load), and the
+    x of the first load with this value, where a less accurate solution tells it.
+    """
 
     x: float
     value: float
@@ -49,11 +49,9 @@ class Bound(NamedTuple):
 
 
 def share_of_way(a: Bound, b: Bound, c: Bound | None) -> float:
-    """Return where `distance` is 0, as a share of the way from a to b; 0.5 if that is not known.
-
-    a is the newest bound, b the opposite one, c the one that a has replaced. A secant at first,
-    then inverse quadratic interpolation where it can be trusted (Chandrupatla, Adv. Eng. Softw. 28
-    (1997) 145, doi:10.1016/S0965-9978(96)00051-8).
+    """Return where `distance` is 0 from the newest bound a to b, replaced by a: c; 0.5 if unknown.
+    A secant, then inverse quadratic interpolation where trusted (Chandrupatla 1997,
+    doi:10.1016/S0965-9978(96)00051-8).
     """
     bounds = [bound for bound in (a, b, c) if bound is not None]
     if len({bound.distance for bound in bounds if isfinite(bound.distance)}) < len(bounds):
@@ -70,11 +68,8 @@ def share_of_way(a: Bound, b: Bound, c: Bound | None) -> float:
 
 
 class Root(Target):
-    """The root-finder for a quantity y that rises or falls with p0.
-
-    x = log(p0 - alone), stretched such that it goes to infinity at `closes_at` (the hardness).
-    `tolerance`: largest relative miss; `error_counts`: whether the error of the solution counts,
-    too.
+    """The root-finder for a quantity monotonic in p0. x = log(p0 - alone), infinite at `closes_at`
+    (the hardness); `tolerance`: relative; `error_counts`: the solution's error counts too.
     """
 
     usual: ClassVar[float] = 1.0  # slope of f over x before any has been measured
@@ -194,10 +189,8 @@ class Root(Target):
     def propose(
         self, y: float, error: float, certified: bool, allowed: float = 0.0
     ) -> float | None:
-        """Return the next x, or None to stay, for the value y, within a relative error, at the
-        present x.
-
-        A prediction within `allowed` is not followed.
+        """Return the next x for the value y, within a relative error, or None to stay; a prediction
+        within `allowed` is not followed.
         """
         f = self.straight(y)
         wanted = self.straight(self.aim)
@@ -236,7 +229,6 @@ class Root(Target):
             self.slope = slope
 
     def _is_inside(self, x: float) -> bool:
-        """Return whether x is strictly between the bounds that exist."""
         above = self.low is None or x > self.low.x
         return above and (self.high is None or x < self.high.x)
 
@@ -263,14 +255,10 @@ class Root(Target):
         return newest.x + min(max(share, margin), 1 - margin) * (opposite.x - newest.x)
 
     def _resolution(self) -> float:
-        """Return the smallest difference of x that counts."""
         return 0.0
 
     def end_of_plateau(self) -> float | None:
-        """Return x at the end of a plateau; None if the last two bounds are not on one.
-
-        On a plateau the same points touch, and the distance is linear in the load.
-        """
+        """Return x at the end of a plateau, on which the same points touch, or None."""
         new, old = self.low if self.newest_is_low else self.high, self.replaced
         if new is None or old is None or new.value != old.value:
             return None

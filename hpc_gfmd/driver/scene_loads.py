@@ -23,12 +23,8 @@ LENGTHS = 100.0  # rounding error of a gap or an approach, over that of the larg
 
 
 def loads_of(table: LoadTable, working: WorkingSurface, solver: type[Solver]) -> list[Load]:
-    """Return the loads that a scene prescribes, in order, without searches; refuse impossible ones.
-
-    A mean gap of 0 becomes an area of 1. working: the surface in the first precision. Raises
-    SceneError if a flat surface does not have the quantity, the precision is too low for a value,
-    no pressure gives it, or the solver cannot solve contacts with this hardness or attraction.
-    Collective.
+    """Return a scene's loads in order, without searches; a mean gap of 0 is an area of 1.
+    Collective. SceneError for what surface, precision, pressure or solver does not allow.
     """
     name, values = table.prescribed
     surface = working.surface
@@ -74,8 +70,7 @@ def _require_single(pressures: Sequence[float], unit: float, points: int) -> Non
 
 
 def _require_areas(values: Sequence[float], surface: Surface) -> None:
-    """Raise SceneError for an area of less than half a point, or of less than half a line if the
-    heights vary along one axis only."""
+    """Raise SceneError for areas of less than half a point, or half a line (one axis only)."""
     points = surface.grid.N
     kind = "points" if points == np.prod(surface.n) else "lines"
     for value in values:
@@ -89,10 +84,7 @@ def _require_areas(values: Sequence[float], surface: Surface) -> None:
 def _require_lengths(
     name: str, quantity: str, values: Sequence[float], unit: float, working: WorkingSurface
 ) -> None:
-    """Raise SceneError for a mean gap that no pressure gives, or a length that rounding spoils.
-
-    name: key of the scene; unit: that of the values, in the surface's unit of length. Collective.
-    """
+    """Raise SceneError for lengths that no pressure gives, or rounding spoils. Collective."""
     settings = working.settings
     stays = settings.precision == "single" or settings.low_memory
     rounding = float(np.finfo(working.dtype if stays else np.float64).eps)
@@ -121,10 +113,8 @@ def require_dents(
     values: Sequence[float],
     pressures: Sequence[float],
 ) -> None:
-    """Raise SceneError if the solver does not support a hardness, a mean pressure reaches it, or
-    full contact (an area of 1, a value of 0) is prescribed.
-
-    pressures: of the loads, in the unit of E_star; empty if they are unknown.
+    """Raise SceneError if the solver has no hardness, a pressure (unit of E_star) reaches it, or
+    full contact is prescribed.
     """
     if not solver.dents:
         raise SceneError(

@@ -1,8 +1,7 @@
-"""Where a solver starts at a load: the first gap that applies, of one list.
+"""Where a solver starts at a load: the first gap of a list that applies.
 
-It is a given gap, the one kept from single precision, the solution of the load before, undeformed
-under a tension, full contact, the solution on coarser grids, or again undeformed if that has far
-too much energy. The solver is kept from load to load.
+A given gap, the one kept from single precision, the load before, undeformed under tension, full
+contact, coarser grids, or undeformed again if that has far too much energy.
 """
 
 from __future__ import annotations
@@ -50,11 +49,8 @@ NEGLECTED = 0.1
 
 
 class Start(NamedTuple):
-    """A solver that is ready to iterate at a load: its criterion, the FFT pairs of the start that
-    the solver does not count, and the contacts on coarser grids (none with an attraction).
-
-    certificate: that of the starting gap, at which the solver has to begin, if this may be the
-    solution.
+    """A solver ready at a load, its criterion, uncounted FFT pairs, contacts on coarser grids (none
+    with an attraction), and the certificate of the gap if it may be the solution.
     """
 
     solver: Solver
@@ -66,9 +62,7 @@ class Start(NamedTuple):
 
 class Starter:
     """Makes the solver of a surface in one precision, starts it at each load, and keeps it.
-
-    `solver` is at the solution of the load before, None before the first load and after `forget`.
-    kept: a gap of another precision, from which the first load goes on.
+    `solver`: at the load before, or None; kept: a gap of another precision, for the first load.
     """
 
     def __init__(
@@ -93,12 +87,10 @@ class Starter:
         return gap
 
     def start(self, load: Load, gap: np.ndarray | None = None, in_box: bool = True) -> Start:
-        """Start the solver at a load, and make the solver if there is none. Collective.
+        """Start the solver at a load, made if there is none. Collective; Stopped on all ranks.
 
-        The solution of the load before is taken as it is (see `follows`), else the first of `_gaps`
-        that has not far too much energy. `gap`, a local slab, is copied; in_box: whether a light
-        contact may be solved in a box. The load's target changes: coarser grids already use it.
-        Raises Stopped on all ranks.
+        From the load before (see `follows`), else the first of `_gaps` without far too much energy.
+        `gap` (local slab) is copied; in_box: may be solved in a box. The load's target changes.
         """
         if gap is None and self._kept is None and self.follows(load):
             return self._continue(load)
@@ -126,12 +118,9 @@ class Starter:
     def _gaps(
         self, load: Load, problem: Problem, gap: np.ndarray | None, in_box: bool
     ) -> Iterator[Candidate]:
-        """Yield gaps to start a load from, the best first.
-
-        They are a given one; that kept from another precision; undeformed, if an attraction acts
-        without a positive load; 0 (full contact), if the load asks for that; else the solution on
-        coarser grids or a flat plane without nesting, with an attraction the contact without it,
-        and then undeformed.
+        """Yield gaps to start from, the best first: given, kept from another precision, undeformed
+        (tension), 0 (full contact), from coarser grids or a plane, with an attraction from the
+        contact without it, undeformed.
         """
         kept = self._kept
         self._kept = None
@@ -159,8 +148,9 @@ class Starter:
     def _nested_start(
         self, load: Load, problem: Problem, memory: np.ndarray | None, in_box: bool
     ) -> Candidate:
-        """Return the solution on coarser grids; with an attraction that of the contact without it,
-        which is solved on this grid where there is no coarser one. Collective."""
+        """Return the solution on coarser grids, with an attraction of the contact without it,
+        solved on this grid if there is none. Collective.
+        """
         bare = replace(problem, attraction=None)
         nested = self.working.nested()
         find_box = self._box_finder(load, nested) if in_box else None
@@ -174,12 +164,9 @@ class Starter:
         return Candidate(rough.g, start.pairs + rough.pairs)
 
     def follows(self, load: Load) -> bool:
-        """Return whether a load starts from the solution of the load before, or goes on in double
-        precision.
-
-        It does if the two are close; on retraction always if the load does not rise, in a cycle
-        always. It does not without a solver, nor if it seeks the smallest load that closes the gap.
-        The load's mean pressure, or a first guess, must be known.
+        """Return whether a load starts from the one before, or goes on in double: if close, on
+        retraction or in a cycle as `ContactModel.follows`; never to close the gap. Its p0 or a
+        guess must be known.
         """
         if self._kept is not None:
             return True
@@ -205,10 +192,7 @@ class Starter:
     # -- in a box
 
     def _box_finder(self, load: Load, nested: Nested) -> FindBox | None:
-        """Return what finds the box of a light contact (box.py); None if it needs the whole grid.
-
-        That is a contact with a periodic axis, an attraction, a hardness, or an unknown pressure.
-        """
+        """Return what finds the box of a light contact; None if it needs the whole grid."""
         model = self.working.model
         is_open = all(m < n for m, n in zip(nested.grid.nominal, nested.grid.n))
         if load.target.is_sought or model.attraction or model.hardness or not is_open:
@@ -280,11 +264,8 @@ class Starter:
     def _solver_for(
         self, load: Load, problem: Problem, gap: np.ndarray
     ) -> tuple[Solver, StoppingCriterion]:
-        """Return the solver with its counts at 0 and its p0 at the load, and its criterion.
-
-        Makes the solver if there is none, with `gap` as its array. Either way the caller has to
-        start it at the gap (`_lay_down`). The target begins on the finest grid. In low memory the
-        heights are freed.
+        """Return the solver at the load, with counts at 0 and `gap` as its array if new, and its
+        criterion. The caller has to lay it down at the gap; in low memory the heights are freed.
         """
         p0 = load.target.begin()
         problem = self.working.problem_to_iterate(replace(problem, p0=p0))
@@ -295,8 +276,7 @@ class Starter:
         return self.solver, self._criterion_for(self.solver, load.closes)
 
     def _criterion_for(self, solver: Solver, closes: bool = False) -> StoppingCriterion:
-        """Return the criterion of a load; its certificate is in double precision if rounding errors
-        would spoil one in the working precision."""
+        """Return a load's criterion; its certificate is in double if rounding would spoil it."""
         working = self.working
         dtype = DOUBLE if working.rounding_counts(solver.problem_now) else working.dtype
         return replace(
@@ -315,10 +295,8 @@ def _filled(problem: Problem, memory: np.ndarray | None, gap: np.ndarray | float
 
 
 def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> float:
-    """Start a solver at a gap; return the FFT pairs that the solver does not count itself.
-
-    If the certificate is in double precision, so is the first pressure: its rounding errors would
-    stay to the end, because later only changes are added to it. Collective.
+    """Start a solver at a gap; return FFT pairs that it does not count. Collective. The first
+    pressure is in the certificate's precision: its rounding errors stay.
     """
     if criterion.certificate_dtype == solver.problem.dtype:
         solver.start(gap)
@@ -341,10 +319,8 @@ def _penetrates(solver: Solver, i0: int, i1: int) -> np.ndarray:
 
 
 def _is_worse_than_undeformed(solver: Solver) -> bool:
-    """Return whether the solver's state has far more energy than a flat body that just touches.
-
-    This happens at light loads on flat tops, whose edges coarse grids distort more than the load
-    does. Always False on a padded grid.
+    """Return whether the state has far more energy than a flat touching body, as on flat tops at
+    light loads, whose edges coarse grids distort; False on padded grids.
     """
     if solver.grid.padded:
         return False

@@ -1,7 +1,5 @@
-"""Solve one load after another on one surface: start, iterate, return the contact.
-
-A load is tried in single precision if that may be enough. As soon as it turns out not to be, double
-precision goes on from the gap that single precision has reached, and stays for all later loads.
+"""Solve loads on one surface: start, iterate, return the contact. Single precision is tried first;
+where it fails double precision goes on from its gap, also for all later loads.
 """
 
 from __future__ import annotations
@@ -42,13 +40,11 @@ if TYPE_CHECKING:
 
 
 class Sweep:
-    """Solves loads on one surface, one after another; each may start from the one before.
+    """Solves loads on one surface, each perhaps from the one before.
 
-    make_surface(dtype) makes the surface, collectively: at once, and again if a load needs double
-    precision. settings: the table [solver] of a scene; duality, of_result: as of StoppingCriterion.
-    `coarser` are the contacts of the last load on coarser grids; empty if it started
-    elsewhere. Raises SceneError if low memory is requested with a solver or a surface that does not
-    support it.
+    make_surface(dtype) makes the surface, collectively, again for double precision. settings: the
+    table [solver]; duality, of_result: see StoppingCriterion. `coarser`: contacts of the last load
+    on coarser grids, if it started there.
     """
 
     def __init__(
@@ -80,8 +76,7 @@ class Sweep:
         self._work_in(first_precision(settings))
 
     def _work_in(self, dtype: np.dtype, gap: np.ndarray | None = None) -> None:
-        """Make the surface in a precision, and what starts loads there, the first one from a gap if
-        there is one. Collective."""
+        """Make the surface in a precision, and its starter, perhaps from a gap. Collective."""
         kind = LowMemorySurface if self.settings.low_memory else WorkingSurface
         self.working = kind(self.make_surface, self.model, self.settings, dtype)
         self.starter = Starter(self.working, self.criterion, gap)
@@ -190,10 +185,8 @@ class Sweep:
         self._history = [*self._history[-1:], solved]
 
     def _go_on_in_double(self) -> None:
-        """Make the surface again in double precision; the next start is at the solver's gap.
-
-        SceneError: the checksum of the heights differs from that of the present surface.
-        Collective.
+        """Make the surface again in double, to start at the solver's gap; SceneError if heights
+        changed. Collective.
         """
         checksum = self.surface.checksum
         gap = self.starter.gap_in(DOUBLE)
@@ -213,11 +206,9 @@ class Sweep:
         gap: np.ndarray | None,
         pairs: float,
     ) -> tuple[Contact | None, float]:
-        """Solve a load in the present precision, or as far as it is known to need double precision.
-
-        gap: where to start, None if the starter chooses; pairs: FFT pairs that the load has taken
-        before. Returns the contact and all pairs so far. Without a contact the starter has the gap
-        from which double precision goes on, if there is one. Collective.
+        """Solve a load in this precision, or until it needs double; return (contact or None, all
+        pairs). Collective. gap: a start; pairs: taken before. Without a contact the starter keeps
+        the gap.
         """
         working = self.working
         load.target.measure(working)
@@ -263,10 +254,7 @@ class Sweep:
         return self._with_grid_errors(contact), pairs
 
     def _with_grid_errors(self, contact: Contact) -> Contact:
-        """Return a contact with its errors by the grid.
-
-        Relative errors change slowly with the load: one that starts from the load before keeps its.
-        """
+        """Return a contact with errors by the grid, its own or those of the load before."""
         if self.coarser:
             self._of_grid = grid_errors(contact, self.coarser)
         if self.model.attraction is not None:
@@ -274,15 +262,13 @@ class Sweep:
         return replace(contact, of_grid=self._of_grid)
 
     def _status_of(self, outcome: Outcome, load: Load) -> str:
-        """Return the status of the outcome, but "stagnated" instead of "converged" if the target of
-        a search needs double precision and this is single precision."""
+        """Return the outcome's status; "stagnated" if the search needs double precision."""
         if outcome.status == "converged" and load.target.needs_double and self.dtype != DOUBLE:
             return "stagnated"
         return outcome.status
 
     def _stays_separated(self, load: Load) -> bool:
-        """Return whether bodies that have come apart stay so at a mean gap or approach: it holds
-        them at least as far apart, or undeformed bodies do not touch at it."""
+        """Return whether bodies that have come apart stay so at a mean gap or approach."""
         if not self.model.follows or self._separated_at is None:
             return False
         if load.quantity == "approach":
@@ -305,10 +291,8 @@ class Sweep:
         return Sweep(lambda dtype: self.surface, settings, model)
 
     def _with_other_branch(self, contact: Contact) -> Contact:
-        """Solve the load on the other branch, and return the contact with `other_branch` set.
-
-        Retraction starts from closed surfaces, the smallest possible gaps; approach as always. The
-        FFT pairs of both count. Collective.
+        """Return the contact with `other_branch`: retraction starts from closed surfaces; both
+        pairs count. Collective.
         """
         sweep = self._on_same_surface(self.model.on_other_branch)
         start = None
@@ -320,11 +304,9 @@ class Sweep:
         )
 
     def _held(self, load: Load, unfinished: Unfinished | None) -> tuple[Load, np.ndarray, float]:
-        """Prepare a mean gap or an approach with attraction, which a spring holds.
-
-        Returns a copy of the load with its target, a `Held`; the gap to start from (the unfinished
-        one, or on retraction and in a cycle that of the load before, else that of the contact
-        without attraction, which is solved here); and the FFT pairs that this took. Collective.
+        """Prepare a gap or approach with attraction: return the load with its `Held`, the gap to
+        start from (unfinished, of the load before, or without attraction, solved here), and FFT
+        pairs. Collective.
         """
         working, solver = self.working, self.starter.solver
         pairs = 0.0
@@ -363,8 +345,8 @@ class Sweep:
         return 0.0
 
     def _flat_solution(self) -> tuple[np.ndarray, float]:
-        """Solve a flat punch once per sweep; return its pressure on the surface and displacement
-        beyond, and the FFT pairs. Collective.
+        """Solve a flat punch, once; return pressure on and displacement beyond the surface, and FFT
+        pairs. Collective.
         """
         if self._punch is not None:
             return self._punch, 0.0

@@ -1,5 +1,4 @@
-"""What a load prescribes: a mean pressure p0, or a quantity whose p0 is found while it is solved
-(root.py)."""
+"""What a load prescribes: a mean pressure p0, or a quantity whose p0 is found (root.py)."""
 
 from __future__ import annotations
 
@@ -15,10 +14,8 @@ ROUNDING = 8.0  # factor on rounding errors: smaller differences of pressures co
 
 
 class Target:
-    """A prescribed mean pressure. Subclasses change it while a solver iterates.
-
-    The loop (drive.py) calls `follow` after every iteration on every grid, `judge` and then
-    `correct` after every certificate. Numbers are in the program's units; all methods are
+    """A prescribed mean pressure; subclasses change it. The loop (drive.py) calls `follow` after
+    every iteration on every grid, `judge`, then `correct`, after every certificate. All are
     collective.
     """
 
@@ -53,16 +50,11 @@ class Target:
         vars(self).update(comm.bcast(vars(self)))
 
     def follow(self, solver: Solver, progress: Progress, coarse: bool = False) -> bool:
-        """Go to another load if the converged solution at this one would probably miss the target.
-
-        Returns whether the load of the solver has changed. coarse: on a coarse grid.
-        """
+        """Go to another load if the solution would probably miss; return whether it changed."""
         return False
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether a certificate may find area and target accurate enough, by a pass over all
-        points; True without estimated errors.
-        """
+        """Return whether a certificate may find area and target accurate; a pass over points."""
         return area_may_be_met(solver, progress, accuracy)
 
     def judge(self, solver: Solver, certificate: Certificate) -> float:
@@ -70,11 +62,7 @@ class Target:
         return 0.0
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Go to another load after a certificate that missed the target, which `judge` has seen.
-
-        Returns whether the load of the solver has changed. solved: the solution is as accurate as
-        asked.
-        """
+        """Go to another load after a miss that `judge` has seen; return whether it changed."""
         return False
 
     def bring_back(self, solver: Solver) -> bool:

@@ -1,5 +1,4 @@
-"""Compile the kernels of a scene on one rank, once per installation. The others wait
-asleep, and then load them from the cache."""
+"""Compile the kernels of a scene on one rank, once per installation, while others wait asleep."""
 
 from collections.abc import Callable
 
@@ -39,12 +38,9 @@ def compile_once(
     observe: Callable[[Contact], object],
     say: Callable[[str], object] | None = None,
 ) -> None:
-    """Compile the kernels of a scene by solving a tiny contact, on rank 0 before the others.
-
-    Rank 0 fills the cache on disk, from which the others load them: first one rank of each machine,
-    which compiles where it does not see that cache. On several ranks double precision is compiled
-    as well if a load may need it. observe(contact) compiles the kernels of observables; say(text)
-    gets messages for the user on rank 0. Collective.
+    """Compile the kernels of a scene by a tiny contact on rank 0; others load them, or compile, one
+    a machine, where they do not see the cache. Collective. observe(contact): observables;
+    say(text): on rank 0.
     """
 
     def solve() -> None:
@@ -67,10 +63,8 @@ def _tiny_attraction(material: Material) -> Law | None:
 
 
 def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: bool) -> None:
-    """Solve a tiny contact of 3 iterations on this rank alone, and observe it.
-
-    Its precision is that of the scene's first load; with `on_ranks` also double if a load may need
-    it, and levels are distributed as they are over ranks.
+    """Solve a tiny contact of 3 iterations on this rank, and observe it; on_ranks: levels as over
+    ranks, and double, too, if a load may need it.
     """
     settings = scene.solver
     material = scene.material

@@ -1,5 +1,4 @@
-"""Contacts from their fields, and those that need no iterations: of a flat surface and of separated
-bodies."""
+"""Contacts from their fields, and those without iterations: flat surfaces, separated bodies."""
 
 from __future__ import annotations
 
@@ -30,11 +29,7 @@ def contact_of(
     iterations: int = 0,
     pairs: float = 0.0,
 ) -> Contact:
-    """Assemble the Contact of a solved load; nothing is computed or copied.
-
-    p0: mean pressure of the solution in the program's unit. The note of the load's target becomes
-    the remark.
-    """
+    """Assemble the Contact of a solved load, without copies; p0: in the program's unit."""
     model = working.model
     return Contact(
         working.surface,
@@ -56,11 +51,7 @@ def contact_of(
 
 
 def flat_contact(working: WorkingSurface, load: Load) -> Contact:
-    """Return the contact of a flat periodic surface: closed at any pressure, with errors of 0.
-
-    Of a layer on a rigid base the energy and the approach are those of its compression, otherwise 0
-    and nan.
-    """
+    """Return the contact of a flat periodic surface: closed at any pressure, without errors."""
     grid = working.surface.grid
     g = np.zeros_like(working.surface.gap)
     p0 = load.value / working.model.E_star
@@ -73,9 +64,7 @@ def flat_contact(working: WorkingSurface, load: Load) -> Contact:
 
 
 def unloaded_contact(working: WorkingSurface, load: Load, apart: float) -> Contact:
-    """Return the contact, exactly known, of bodies that do not touch but are `apart`.
-    Collective.
-    """
+    """Return the contact, exactly known, of bodies that are `apart`. Collective."""
     surface = working.surface
     g = undeformed_gap(working.problem(0.0))
     g += g.dtype.type(apart)
@@ -89,10 +78,8 @@ def unloaded_contact(working: WorkingSurface, load: Load, apart: float) -> Conta
 def separated_contact(
     working: WorkingSurface, load: Load, iterations: int = 0, pairs: float = 0.0
 ) -> Contact:
-    """Return the contact of bodies that have come apart, because the load exceeds the attraction.
-
-    It has the gap of undeformed bodies that just touch, no pressure, a mean gap of nan, and the
-    prescribed mean pressure, 0 if none was.
+    """Return the contact of separated bodies: undeformed at touch, no pressure, a mean gap of nan,
+    the prescribed pressure or 0.
     """
     g = undeformed_gap(working.problem(load.p0))
     certificate = Certificate(errors=EXACT, gap_mean=np.nan)

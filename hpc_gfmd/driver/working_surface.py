@@ -1,5 +1,4 @@
-"""The surface in one precision, with all that its contacts share: problems, transforms and coarser
-grids."""
+"""The surface in one precision, with what its contacts share: transforms and coarser grids."""
 
 from __future__ import annotations
 
@@ -30,11 +29,9 @@ DOUBLE = np.dtype(np.float64)
 
 
 class WorkingSurface:
-    """A surface whose heights are stored in one precision, made by make_surface(dtype) at once.
-
-    settings: the table [solver] of a scene; `saves_memory`: whether the solver is dropped before
-    each start, and frees its transforms while a certificate in double precision is computed.
-    Collective.
+    """A surface made by make_surface(dtype), its heights in that precision. Collective. settings:
+    the table [solver]; `saves_memory`: the solver is dropped before starts and frees transforms
+    meanwhile.
     """
 
     saves_memory = False
@@ -87,19 +84,14 @@ class WorkingSurface:
 
     @cached_property
     def heights(self) -> HeightStatistics:
-        """Statistics of the heights for load searches. Collective at first access, then kept.
-
-        If the heights are not stored, the surface is made once more for this.
-        """
+        """Statistics of the heights, kept; if not stored they are made again. Collective."""
         made = self.make_surface(self.dtype) if self.surface.h is None else self.surface
         return HeightStatistics.of(self._problem_of(made, 1.0))
 
     # -- problems
 
     def problem(self, p0: float) -> Problem:
-        """Return the problem at a mean pressure p0, in the program's unit, with stored heights.
-        Collective.
-        """
+        """Return the problem at p0, in the program's unit, with stored heights. Collective."""
         return self._problem_of(self.surface, p0)
 
     def _problem_of(self, surface: Surface, p0: float) -> Problem:
@@ -119,9 +111,7 @@ class WorkingSurface:
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
-        """Return an array that the starting gap of a problem may overwrite: the solver's gap; None
-        if new memory has to be allocated.
-        """
+        """Return an array that the starting gap may overwrite, the solver's gap, or None."""
         return None if solver is None else solver.g
 
     def nested(self) -> Nested:
@@ -138,8 +128,7 @@ class WorkingSurface:
         return self.settings.precision != "auto" or self.dtype == DOUBLE
 
     def is_too_coarse(self, target: Target, gap: np.ndarray | None = None) -> bool:
-        """Return whether it is known that a load, or a gap to start it from, needs double
-        precision, unless the present one is final."""
+        """Return whether a load, or its starting gap, is known to need double precision."""
         if self.is_final:
             return False
         if target.needs_double or (gap is not None and gap.dtype == DOUBLE):
@@ -149,11 +138,8 @@ class WorkingSurface:
         return too_coarse(self.settings, N, target.half_area, h_rms, self.hardness)
 
     def rounding_counts(self, problem: Problem) -> bool:
-        """Return whether the certificate must be computed in double precision.
-
-        A certificate cannot distinguish rounding errors from pressure out of contact. They matter
-        if few points touch (or an unknown number, at p0 <= 0), if few are open, or if the
-        transforms are too noisy.
+        """Return whether the certificate must be in double, since rounding looks like pressure out
+        of contact: few points touch (perhaps, at p0 <= 0) or are open, or transforms are noisy.
         """
         if problem.p0 <= 0:  # only with an attraction: how many touch is unknown
             return True
@@ -162,8 +148,6 @@ class WorkingSurface:
         return few_touch or few_are_open or self.is_noisy(problem)
 
     def is_noisy(self, problem: Problem) -> bool:
-        """Return whether rounding errors of transforms are too large: above a share of the pressure
-        error that is allowed.
-        """
+        """Return whether transforms' rounding exceeds a share of the allowed pressure error."""
         noise = problem.noise(self.surface.h_rms / self.surface.height_unit)
         return noise > NOISE * pressure_that_counts(self.settings, problem.p0)

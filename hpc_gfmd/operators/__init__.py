@@ -1,2 +1,1 @@
-"""What acts on whole fields: an elastic body, and the multilevel preconditioner with the hierarchy
-it stands on."""
+"""What acts on whole fields: an elastic body, and the multilevel preconditioner."""

@@ -1,5 +1,4 @@
-"""The coarse levels of the preconditioner that one rank sweeps alone, in one compiled call of all
-its threads."""
+"""The coarse levels that one rank sweeps alone, in one compiled call of all its threads."""
 
 import time
 from collections.abc import Sequence
@@ -23,12 +22,11 @@ PAUSE = 1e-5  # seconds
 
 
 class LevelTables:
-    """What a sweep over consecutive levels needs besides memory for fields, as sweep_levels of
-    kernels/multilevel.py takes it.
+    """What `sweep_levels` (kernels/multilevel.py) needs of consecutive levels besides memory.
 
-    The first level has `fields` fields (r, t and perhaps x), all others r and t. `nominal` holds
-    (s_x, s_y) of each level; default: 1. `size` numbers hold all fields, the last `zeros` of them a
-    level of zeros. `restricted` counts the pieces that restrict.
+    The first level has `fields` fields (r, t, perhaps x), others r and t. `nominal`: (s_x, s_y) of
+    each level, default 1; `size`: numbers for all fields, the last `zeros` a level of zeros;
+    `restricted`: pieces that restrict.
     """
 
     def __init__(
@@ -86,10 +84,7 @@ class LevelTables:
 def _pieces_of(
     shapes: Sequence[tuple[int, int]], coarse_rows: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, int]:
-    """Return the pieces of a sweep, as `sweep_levels` takes them, and how many of them restrict.
-
-    They depend on the sizes of the levels alone, so that no sum depends on threads.
-    """
+    """Return the pieces of a sweep (`sweep_levels`), by sizes alone, and how many restrict."""
     passes = [
         passes_of(J_x, max(1, piece_rows(n_y) // PIECES))
         for (_, n_y), J_x in zip(shapes, coarse_rows)
@@ -106,10 +101,9 @@ def _pieces_of(
 class CoarsestLevels:
     """Consecutive levels, down to a single point, that one rank sweeps alone, with their memory.
 
-    The caller writes r, t and perhaps x (kernels/multilevel.py) to `fields` of the first level,
-    between halo rows, before each sweep, which replaces r by z, also on the halo rows; and sets the
-    gap mode `mode` of level `mode_level` (deflation.py), empty if there is none. `looks` counts how
-    often threads looked in vain whether they could go on.
+    The caller writes r, t, perhaps x between halo rows of `fields` before each sweep, which
+    replaces r by z, also there, and sets the gap mode `mode` of `mode_level` (or empty). `looks`:
+    how often threads waited in vain.
     """
 
     def __init__(self, tables: LevelTables, threads: int = 1):
@@ -140,10 +134,9 @@ class CoarsestLevels:
         self._do(0, self._tables.restricted)
 
     def smooth(self) -> tuple[float, ...]:
-        """Replace r by z on every level, from the coarsest one to the first, after `restrict`.
-
-        Returns <r, z> and <x, z> on the first level, 0 without x; <r, r>, <t, t>, <r, t>, <t, s>
-        and <r, s>, summed over levels times their softness; the mean of r.
+        """Replace r by z on every level, coarsest first, after `restrict`; return <r, z>, <x, z>
+        (first level), then <r, r>, <t, t>, <r, t>, <t, s>, <r, s> times softness, and the mean of
+        r.
         """
         self._do(self._tables.restricted, len(self._tables.pieces))
         return tuple(self._totals[: MEAN + 1].tolist())
@@ -190,10 +183,7 @@ class CoarsestLevels:
         return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return a view of t of level k of these levels, (rows, n).
-
-        The caller writes that of level 0; `restrict` and `sweep` put the others there.
-        """
+        """Return a view of t of level k, (rows, n); the caller writes that of level 0."""
         return self._fields_of(k)[1, 1:-1]
 
     def _fields_of(self, k: int) -> np.ndarray:

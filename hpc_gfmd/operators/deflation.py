@@ -43,11 +43,8 @@ def level_of_mode(levels: Sequence[Level]) -> int | None:
 
 
 class GapMode:
-    """Computes the deflation vectors of contacts on one grid.
-
-    `level` is the number of the level that they are computed on, None if the grid is too small for
-    one. `pairs` is the cost of one `find` in FFT pairs of the grid. `levels`, the preconditioner M
-    from this level on, and `fft` are missing without one.
+    """Computes deflation vectors. `level`: where, None if the grid is too small; `pairs`: FFT pairs
+    of a `find`; `levels`: M from there on, and `fft`, missing without one.
     """
 
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
@@ -72,10 +69,8 @@ class GapMode:
         return self.level is not None and 0 < share < 1
 
     def find(self, t: np.ndarray) -> np.ndarray:
-        """Return w sqrt((1 - mu)/<1, w>), whose outer product with itself is to be added to M.
-
-        t: share of contact at each point of `level`, which must not be None; the result has its
-        shape and precision. Overwrites the fields of `levels`. Not collective.
+        """Return w sqrt((1 - mu)/<1, w>), to be added to M as an outer product; t: share of contact
+        on `level`, overwritten. Not collective.
         """
         real = t.dtype.type
         theta = t / real(DAMPING)
@@ -112,10 +107,8 @@ class GapMode:
 
 
 def _stiffness_of_level(grid: Grid, body: Body, level_grid: Grid, fft: SlabFFT) -> tuple:
-    """Return the `factors` with which SlabFFT.multiply_columns applies K on a level.
-
-    K is over the stiffness of the grid's shortest wave, and 0 for the rigid translation. grid: the
-    finest level, whose spacing is the unit of K; level_grid, fft: the level, on one rank alone.
+    """Return the `factors` of SlabFFT.multiply_columns for K on a level, over the shortest wave's,
+    0 for the translation; grid: the finest level, the unit of K.
     """
     to_unit = grid.a / level_grid.a
     q_x = level_grid.q_x * to_unit

@@ -1,5 +1,4 @@
-"""Applying the stiffness K of an elastic body, or its compliance S = 1/K, to fields: p = p0 + K u
-in the units of operators/problem.py."""
+"""The stiffness K of a body, or S = 1/K, applied to fields in the units of problem.py."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,9 +16,8 @@ RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 class Elastic:
     """Applies the stiffness K of a body, or its inverse S, to fields, a few rows at a time.
 
-    An application is three calls: `pressure_rows`, then `columns`, then `use_rows`; functions of
-    the caller make and use the rows.
-    `pairs` counts FFT pairs, half a pair for one direction. `mean` is this rank's share of the mean
+    An application is `pressure_rows`, `columns`, `use_rows`, with functions of the caller for rows.
+    `pairs` counts FFT pairs, half a pair for one direction; `mean`: this rank's share of the mean
     of the field multiplied last. `fft` and `multipliers` are missing between `make_room` and
     `plan`.
     """
@@ -79,20 +77,11 @@ class Elastic:
         return float(sum(self.fft.columns(apply, backward=backward)))
 
     def pressure_rows(self, fill: RowFunction) -> list:
-        """Begin an application of K or S: transform the rows that `fill` makes. Not collective.
-
-        fill(i0, i1, x) writes local rows i0 <= i < i1 of the field into x, scratch, on several
-        threads at once. Returns a list of what it returned.
-        """
+        """Begin an application: transform rows that fill(i0, i1, x) writes, on several threads."""
         return self.fft.forward_rows(fill)
 
     def use_rows(self, use: RowFunction) -> list:
-        """End an application: transform the rows of K u (or S p) back and hand them to `use`,
-        counting one pair.
-
-        use(i0, i1, x) gets local rows i0 <= i < i1 in x, scratch, on several threads at once.
-        Returns a list of what it returned. Not collective.
-        """
+        """End an application: hand rows of K u or S p to use(i0, i1, x), on several threads."""
         self.pairs += 1
         return self.fft.backward_rows(use)
 

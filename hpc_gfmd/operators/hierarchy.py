@@ -1,12 +1,9 @@
-"""The levels below a grid as the multilevel preconditioner uses them: the rows of each rank, what
-ranks send, and the weights of the levels. No field is stored here.
+"""The levels below a grid: rows of each rank, what ranks send, weights; no field is stored here.
 
-Every rank restricts its rows of the grid through several levels before anything is sent: its
-windows of coarse levels hold its parts of sums over ranks. Then ranks add up the rows that their
-windows share, of all these levels in one message to a neighbour, and each interpolates from its own
-windows without another message. If a rank would have less than FEWEST_ROWS rows of a level, the
-rows are gathered on fewer ranks (coarsening.py), which go on in the same way. The coarsest levels
-are complete on each of the remaining ranks, which sweeps them alone.
+Every rank restricts its rows through several levels first: its windows hold its parts of sums over
+ranks. Then shared rows are added up, in one message to a neighbour, and each interpolates from its
+own windows. Below FEWEST_ROWS rows a level is gathered on fewer ranks (coarsening.py), which go on
+likewise. The coarsest levels are complete on each remaining rank, which sweeps them alone.
 """
 
 from dataclasses import dataclass
@@ -33,12 +30,9 @@ GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
 
 @dataclass(frozen=True)
 class Step:
-    """The step from one level to the next coarser one, as one rank sees it.
-
-    `counted` (ranks + 1,) is the first of the fine rows that each rank counts in sums, `fields` the
-    number of restricted fields, `windows` leads between the coarse rows of all ranks and those of
-    the few on which they are gathered (None: they are not), and `starts` (ranks + 1,) is the first
-    coarse row of every rank after that.
+    """One rank's step to the next coarser level. `counted` (ranks + 1,): first fine row that each
+    rank counts; `windows`: to the ranks where rows are gathered, or None; `starts` (ranks + 1,):
+    coarse rows after that.
     """
 
     transfer: Transfer
@@ -97,11 +91,9 @@ def _with_ends(rows: int) -> int:
 def steps_of(
     grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None
 ) -> tuple[list[Step], list[Level]]:
-    """Return the steps between levels that ranks share, and all levels, finest first.
-
-    The levels from number len(steps) on a rank has alone: those of at most coarsest_points points
-    (default: COARSEST_POINTS, or all for a single process), and that of the gap mode with all
-    coarser ones. Not collective.
+    """Return the steps between shared levels, and all levels, finest first. Not collective. A rank
+    has alone those of at most coarsest_points points (default: COARSEST_POINTS; one process: all),
+    and the gap mode's with all coarser.
     """
     rank = grid.comm.rank
     if coarsest_points is None:
@@ -137,13 +129,9 @@ def steps_of(
 
 
 class Hierarchy:
-    """What a sweep over the levels of a grid needs besides memory for fields; the same for all
-    sweeps of a grid, body and precision.
-
-    `weights` are the stiffnesses of the levels, `softness` what each adds to the compliance S = 1/K
-    over S of the shortest wave, `area` the indicator of the nominal area on all levels, and
-    `nominal` its two factors on every level that ranks share, on the rows that this rank restricts
-    and on all columns.
+    """What a sweep needs besides memory, shared by sweeps of one grid, body and precision.
+    `weights`: stiffness of levels; `softness`: of S; `area`: nominal area; `nominal`: its factors,
+    for rows restricted here.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None):

@@ -45,16 +45,13 @@ class Multilevel:
     """Sweep of the multilevel preconditioner M over the coarse levels of a grid, in one precision.
 
     `update`, `restrict` or `restrict_from` put a state on level 1: r, the pressure out of contact,
-    t, 1 in contact and 0 elsewhere, and (the first two alone) K d of the solver's last step d.
-    `sweep` makes z = M r there and overwrites r, so that each sweep needs a new state. Making a
-    Multilevel is collective.
+    t, 1 in contact, and (the first two) K d of the last step. `sweep` makes z = M r and overwrites
+    r. Making a Multilevel is collective.
 
-    Of levels 1, 2, ... `fields` are this rank's windows, its parts of sums over ranks (of a single
-    process the whole level), and `owned` the rows that it goes on with, the same arrays where rows
-    are not gathered. `distributed` levels are shared; `coarsest` has the others, None on a rank
-    whose window of the first is empty; `last_comm` is that of the ranks that have it. `ends` are
-    first row and end of each pass of the solver, at most `longest` rows, and `scratch` memory of
-    each thread for them.
+    `fields`: this rank's windows of levels 1, 2, ..., parts of sums over ranks; `owned`: rows that
+    it goes on with, the same arrays where not gathered. `distributed` levels are shared;
+    `coarsest`: others, or None; `last_comm`: the ranks that have it. `ends`: first row and end of
+    the solver's passes of at most `longest` rows; `scratch`: of each thread.
     """
 
     def __init__(
@@ -121,11 +118,9 @@ class Multilevel:
         spectra: bool = True,
         law: Any = None,
     ) -> UpdateSums:
-        """Set g += s d and p += s K d, and restrict the new state to this rank's window of level 1.
-        Not collective.
-
-        d is stored as in kernels/bfloat16.py; `rows` are the row transforms of each thread, whose
-        memory holds K d, as `spectra` or not. Returns the UpdateSums of this rank.
+        """Set g += s d and p += s K d, restrict to the window of level 1, return this rank's
+        UpdateSums. Not collective. d: as in kernels/bfloat16.py; `rows`: of threads, with K d, as
+        `spectra` or not.
         """
         grid = self.grid
         coarse = self.fields[0]
@@ -167,14 +162,13 @@ class Multilevel:
         return self.fields[0][0]
 
     def sweep(self, new_share: float | None = None) -> tuple[float, ...]:
-        """Replace r by z = M' r, M' being M without the finest level, on this rank's window of
-        level 1.
+        """Replace r by z = M' r, M without the finest level, on this rank's window of level 1.
+        Collective.
 
-        new_share is the share of points in elastic contact if the contact is a new one: M first
-        gets the gap mode of it, or none if it needs none. Returns this rank's shares of sums over
-        ranks: <p, M' p> and <K d, M' p> (only after `update` or `restrict`), both out of contact,
-        over level 1 times N/N_1; the mean of p out of contact; <r, r>, <t, t>, <r, t>, <t, s> and
-        <r, s>, each summed over the coarse levels l times softness N/N_l. Collective.
+        new_share: elastic contact over points, if the contact is new: M gets its gap mode, if
+        needed. Returns shares of sums over ranks: <p, M' p> and <K d, M' p> (after `update`,
+        `restrict`) out of contact, over level 1 times N/N_1; the mean of p out of contact; <r, r>,
+        <t, t>, <r, t>, <t, s>, <r, s> over levels l times softness N/N_l.
         """
         for k in range(self.distributed):
             self._gather(k)
@@ -191,11 +185,7 @@ class Multilevel:
         return rz * ratio, xz * ratio, mean, *sums
 
     def restrict_from(self, k: int, fine: np.ndarray) -> None:
-        """Restrict r and t of level k (0: the grid) to this rank's window of the next level. Not
-        collective.
-
-        `fine` has a halo row before and after its own.
-        """
+        """Restrict r and t of level k (0: the grid) to the next one's window. Not collective."""
         coarse = self.fields[k][:2]
         transfer = self.transfers[k]
         on_threads(
@@ -211,11 +201,9 @@ class Multilevel:
         self.fields[k][2:, -1:] = 0
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Make z of level k (0: the grid) from r and t there and z of the next level, in
-        `fields[k]`. Not collective.
-
-        `out` gets z on all rows and may be the memory of r. Returns <r, z>, <x, z>, <r, r>, <t, t>,
-        <r, t>, <t, s> and <r, s> over the rows that this rank counts; x is an optional third field.
+        """Make z of level k (0: the grid) from r, t there and z of the next. Not collective.
+        Returns <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s>, <r, s> over counted rows; `out` may
+        be r.
         """
         z_coarse = self.fields[k][0]
         transfer = self.transfers[k]
@@ -244,10 +232,7 @@ class Multilevel:
         return added(sums[: len(counted)], SUMS)
 
     def _gather(self, k: int) -> None:
-        """Bring the rows of level k + 1, if they are gathered, to the ranks that go on with them.
-
-        Also completes the sums of the levels before it that ranks share windows of. Collective.
-        """
+        """Complete the sums, and bring rows of level k + 1 to the ranks that go on. Collective."""
         step = self.steps[k]
         if step.windows is not None:
             rows = self.owned[k][:, 1:-1]
@@ -256,10 +241,8 @@ class Multilevel:
             self._add_group(k)
 
     def _add_group(self, end: int) -> None:
-        """Add up over ranks, in place, the rows that windows share before `fields[end]`, since rows
-        were gathered last.
-
-        A rank sends each neighbour one message. Collective.
+        """Add up shared rows before `fields[end]`, since the last gathering, by one message a
+        neighbour. Collective.
         """
         begin = end
         while begin > 0 and self.steps[begin - 1].windows is None:
@@ -286,11 +269,9 @@ class Multilevel:
         ts: float,
         rs: float,
     ) -> tuple[float, float, float]:
-        """Estimate |w|_S^2, share^2 |v|_S^2 and share <v, S w> of two pressures, over the
-        compliance of the shortest wave, from global sums.
-
-        w = r - missing t is the pressure r that is out of contact, less as much load spread evenly
-        over the contact. v = t/share - s is the test pressure of certificate/error_estimates.py.
+        """Estimate |w|_S^2, share^2 |v|_S^2, share <v, S w> over the shortest wave's compliance. w
+        = r - missing t: pressure out of contact, less that load in contact; v = t/share - s
+        (certificate/error_estimates.py).
         """
         share = contact / self.grid.N
         missing = open_p / contact
@@ -312,10 +293,8 @@ class Multilevel:
         return self.update(g, p, d, 0.0, rows, hardness, spectra=False)
 
     def _sweep_coarsest(self, new_share: float | None) -> tuple[float, ...]:
-        """Sweep the levels that a rank has alone, and copy z into this rank's window. Collective.
-
-        First r and t are added up from the windows of all ranks. Returns the sums of
-        CoarsestLevels.smooth on the first of the ranks that have these levels, zeros on all others.
+        """Sweep the levels that a rank has alone, after r and t are summed, and copy z to the
+        window; sums on the first such rank, else 0. Collective.
         """
         k = self.distributed
         nothing = (0.0,) * (SUMS + 1)

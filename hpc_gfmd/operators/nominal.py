@@ -1,7 +1,5 @@
-"""The indicator s of the nominal area, 1 on the surface and 0 beyond, on the levels of a grid, and
-sums of fields with it.
-
-On every level s is a product of two functions of one coordinate: no field is needed for it.
+"""The indicator s of the nominal area on the levels of a grid, and sums with it: a product of two
+functions of one coordinate.
 """
 
 from collections.abc import Iterable, Sequence

@@ -39,10 +39,8 @@ SAMPLE = 16  # rows, at least, that say what the mean is
 
 @dataclass(frozen=True)
 class HeightSpectrum:
-    """Heights that are not stored but known mode by mode; `dtype` is the precision of the gap.
-
-    add(fft) returns a function of (block, m) that subtracts the transform of the heights from block
-    m of the columns, in place.
+    """Heights known mode by mode; add(fft) returns what subtracts them from a block (block, m) of
+    columns, in place; `dtype`: of the gap.
     """
 
     add: Callable[[SlabFFT], Columns]
@@ -53,11 +51,10 @@ class HeightSpectrum:
 class Problem:
     """A body pressed against a wall with a mean pressure.
 
-    `h` is the initial gap, >= 0 with minimum 0, on this rank's part of the nominal area. `p0` is
-    the mean pressure over that area; `spring`, the mean pressure of the cell per displacement
-    through which the body is pressed (0: a dead load), changes it with every step. `h_rms` is
-    sqrt(mean h^2) if known. `height_error` is that of heights that contacts before have changed, as
-    the root of the sum of squares of the pressure K dh.
+    `h`: initial gap, minimum 0, this rank's nominal area; `p0`: mean pressure over that area;
+    `spring`: mean pressure of the cell per displacement, which changes p0 (0: a dead load);
+    `h_rms`: sqrt(mean h^2), if known; `height_error`: of changed heights, the root of the sum of
+    squares of K dh.
     """
 
     grid: Grid
@@ -117,11 +114,8 @@ class Problem:
 
     @cached_property
     def rounding(self) -> float:
-        """Estimated rms error of the pressure because of the working precision. Collective at the
-        first access.
-
-        It comes from storing h, and the displacement beyond the surface, which is of the order of
-        p_cell times the size of the cell.
+        """Estimated rms pressure error by the precision of h and of the displacement beyond the
+        surface (p_cell times the size of the cell). Collective at first access.
         """
         beyond = self.sunk if self.grid.padded else 0.0
         return (
@@ -144,11 +138,7 @@ class Problem:
         return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
 
     def level(self, g: np.ndarray) -> float:
-        """Estimate the mean of the field that is transformed, from some rows of g (local slab).
-
-        K ignores this mean, but rounding errors grow with it, so `transform_displacement` subtracts
-        it. Collective.
-        """
+        """Estimate the mean of the field to transform, with which rounding grows. Collective."""
         every = max(1, len(g) // SAMPLE)
         few = g[::every]
         heights = 0.0 if self.stored is None else self.stored[::every].sum()
@@ -156,11 +146,8 @@ class Problem:
         return float(total / points)
 
     def transform_displacement(self, fft: SlabFFT, g: np.ndarray) -> float:
-        """Transform the rows of the displacement u, less about its mean; return what is subtracted.
-
-        u = g - h on the surface and g beyond it. If the heights are not stored u = g everywhere,
-        and `adder` subtracts the heights. The precision of fft may differ from that of g.
-        Collective.
+        """Transform u less about its mean, which is returned: g - h, g beyond the surface, or g
+        where `adder` subtracts unstored heights. Collective.
         """
         from ..kernels.certify import displacement_passes
 
@@ -181,11 +168,8 @@ class Problem:
 
 
 def self_energy(grid: Grid) -> float:
-    """Return an upper bound of sqrt(<v, S v>), which limits how much the mean gap over the surface
-    may differ from that over the cell.
-
-    v is 1 on the nominal area and 0 in the padding, less its mean, and S = 1/K is the compliance of
-    the half-space, in the program's units. 0 on a grid without padding.
+    """Return a bound of sqrt(<v, S v>), v = 1 on the nominal area less its mean, S of the half-
+    space: by which mean gaps of surface and cell may differ.
     """
     # Of all shapes of equal area a disc has the largest <v, S v>, 0.958 area^(3/2). A strip that is
     # periodic along its length has (4/pi^3) 1.05 area width, doubled because the mean of S is

@@ -14,11 +14,7 @@ if TYPE_CHECKING:
 
 
 def nth_smallest(grid: Grid, rows_of: Callable[[int, int], np.ndarray], n: int) -> np.floating:
-    """Return the n-th smallest number (from 1) of a field, rows_of(i0, i1), over the surface.
-
-    Exact: each pass of a radix selection over the field decides 16 more bits, so single precision
-    takes two passes and double precision four. Collective.
-    """
+    """Return the n-th smallest number (from 1) of rows_of(i0, i1), 16 bits a pass. Collective."""
     dtype = rows_of(0, 0).dtype
     size = 8 * dtype.itemsize
     sign = 1 << (size - 1)

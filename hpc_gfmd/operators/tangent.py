@@ -50,9 +50,8 @@ class Tangent:
 def tangent(
     grid: Grid, body: Body, contact: np.ndarray, dtype: DTypeLike, accuracy: float
 ) -> Tangent:
-    """Compute the response of a contact (local slab, bool), to a relative accuracy. Collective.
-
-    Takes the memory of four fields and of the levels of the preconditioner besides the transforms.
+    """Compute the response of a contact (local slab, bool) to a relative accuracy, in the memory of
+    four fields and levels. Collective.
     """
     closed = int(grid.comm.sum([np.count_nonzero(contact)])[0])
     if closed in (0, grid.cell_points):
@@ -82,9 +81,7 @@ def tangent(
 
 
 def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float]]:
-    """Yield, for each step of conjugate gradients, its gains of b K_FF^-1 b and of the sum of v
-    over the surface (0 without padding), without end. Collective.
-    """
+    """Yield each step's gains of b K_FF^-1 b and of the sum of v over the surface. Collective."""
     grid = elastic.grid
     dtype = elastic.dtype
     levels = Multilevel(grid, elastic.body, dtype, elastic.fft.R)

@@ -1,10 +1,9 @@
-"""What the wall allows and bears: it is rigid, dents at a hardness, or attracts. Equations (1) to
-(3) in docs/method.md.
+"""What the wall allows and bears: rigid, dents at a hardness, or attracts; equations (1) to (3) in
+docs/method.md.
 
-Solvers and certificates ask a Wall for its projection, for rigid moves of the body, which cost no
-elastic energy, and for the pressure p^ of the duality gap; they do not ask which wall it is.
-`limit` and `law` go to the compiled passes, which clip each step to what the wall allows and add
-its attraction.
+Solvers and certificates ask a Wall, whichever, for its projection, for rigid moves of the body,
+which cost no elastic energy, and for p^ of the duality gap. `limit` and `law` go to the compiled
+passes, which clip each step and add the attraction.
 """
 
 from __future__ import annotations
@@ -29,11 +28,10 @@ SETTLED = 1e-3  # distance to where a spring holds separated bodies at rest, in 
 
 
 class Wall:
-    """A rigid wall: g >= 0, p >= 0, p g = 0. Base of the others.
+    """A rigid wall: g >= 0, p >= 0, p g = 0; base of the others, collective with local slabs.
 
-    `limit`: the largest pressure, and `law`: the attraction, both in the working precision or None;
-    `yields`: whether points may yield, so that steps are clipped more than once; `hardness`: the
-    work of a dent over its depth. Methods that take local slabs are collective.
+    `limit`: largest pressure, `law`: attraction, both in the working precision or None; `yields`:
+    steps are clipped more than once; `hardness`: work of a dent over its depth.
     """
 
     yields = False
@@ -61,29 +59,22 @@ class Wall:
         return float(deepest)
 
     def add_traction(self, g: np.ndarray, p: np.ndarray) -> float | None:
-        """Add the attraction to the pressure of the body, which becomes that of the wall; return
-        its sum, None if there is none."""
+        """Turn the body's pressure into the wall's; return the sum of the attraction, or None."""
         return None
 
     def step_length(self, pd: float, dKd: float, td: float, gained: float) -> float:
-        """Return the length <= 1 of least energy of a step of length 1.
-
-        pd, td: work of the pressure and of the attraction on the step; gained: what the attraction
-        gains.
-        """
+        """Return the length <= 1 of least energy; pd, td, gained: of pressure and attraction."""
         optimum = -pd / dKd if dKd > 0 else 1.0
         return optimum if 0 < optimum < SHORT else 1.0
 
     def lower(self, g: np.ndarray, p: np.ndarray, wall_load: float) -> tuple[float, float | None]:
-        """Lower a body that touches nowhere until its first point touches, which would take many
-        steps; return by how much, and the new sum of the attraction if that has changed p."""
+        """Lower a body until it touches; return by how much, and the attraction if p changed."""
         by = self._lowest(g)
         g -= self.problem.dtype.type(by)
         return by, None
 
     def _lowest(self, g: np.ndarray) -> float:
-        """Return the smallest gap on the surface; 0 if that is below 0, or if a spring holds the
-        body."""
+        """Return the smallest gap on the surface; 0 if below 0, or if a spring holds the body."""
         rows, points = self.grid.inside
         (lowest,) = self.grid.comm.min([g[:rows, :points].min(initial=inf)])
         return float(lowest) if 0 < lowest < inf and self.problem.spring == 0 else 0.0
@@ -99,27 +90,23 @@ class Wall:
     def balance(
         self, p0: float, g: np.ndarray, contact: float, yielded: float, descent: float
     ) -> bool:
-        """Shift the gap by a constant if too few points touch, or too many yield, to carry the load
-        p0, and if this lowers the energy by more than `descent`; return whether it has."""
+        """Shift the gap by a constant, if too few touch or too many yield to carry p0 and if that
+        gains more than `descent`; return whether.
+        """
         return False
 
     def admissible(
         self, load: float, closed_p: float, contact: float, yielded: float
     ) -> tuple[float, float]:
-        """Return (scale, shift) such that p^ = scale p + shift in elastic contact is admissible,
-        scale -1 if none is.
-
-        p^ is then between 0 and the largest pressure and carries `load`, of which the points in
-        contact carry `closed_p` with p.
+        """Return (scale, shift) of p^ = scale p + shift, between 0 and `limit` and carrying `load`;
+        scale -1 if none. closed_p: sum of p in contact.
         """
         return (load / closed_p if closed_p > 0 else -1.0), 0.0
 
 
 class HardWall(Wall):
-    """A wall with a hardness H: 0 <= p <= H, with a dent, g < 0, only where p = H.
-
-    The energy is piecewise linear in the height of the body; its minimum is where the n-th smallest
-    gap becomes 0, n being the load over H, rounded up.
+    """A wall with a hardness H: 0 <= p <= H, dents, g < 0, where p = H. A rigid body's energy is
+    least where the n-th smallest gap is 0, n being load/H, rounded up.
     """
 
     yields = True
@@ -137,11 +124,9 @@ class HardWall(Wall):
         return min(max(int(np.ceil(N * p0 / self.hardness)), 1), N)
 
     def dent(self, p0: float, p_cell: float, g: np.ndarray, p: np.ndarray, uKu: float) -> bool:
-        """Replace a state by a rigid body that dents the wall, if that has less energy.
-
-        States that come from a coarser grid or a clipped plane, without a hardness, have pressures
-        far beyond it; a rigid body has a uniform one, the load. p0 is over the surface, p_cell over
-        the grid, uKu of the state. Returns False without stored heights.
+        """Replace a state by a rigid body that dents the wall, if of less energy: starts without a
+        hardness have pressures far beyond. False without stored heights. p0: over the surface,
+        p_cell: over the grid.
         """
         h = self.problem.stored
         if h is None:
@@ -218,8 +203,7 @@ class AdhesiveWall(Wall):
         return float(t)
 
     def step_length(self, pd: float, dKd: float, td: float, gained: float) -> float:
-        """The frozen energy is a majorant: the whole step is made if the energy itself, which is
-        known, is lower there than the majorant at its minimum."""
+        """Return 1 if the known energy there is below the least of its frozen majorant."""
         length = super().step_length(pd, dKd, td, gained)
         whole = pd + 0.5 * dKd + gained - td
         return 1.0 if length < 1 and whole <= 0.5 * pd * length else length

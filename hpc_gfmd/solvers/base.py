@@ -168,10 +168,7 @@ class Solver:
 
     @property
     def problem_now(self) -> Problem:
-        """A copy of the problem at the present p0, which shares the heights.
-
-        Collective at the first access, which computes the rms height.
-        """
+        """A copy of the problem at the present p0 with the same heights. Collective at first."""
         return replace(self.problem, p0=self.p0, h_rms=self.problem.root_mean_square)
 
     @property
@@ -195,10 +192,10 @@ class Solver:
         raise NotImplementedError
 
     def continue_at(self, p0: float) -> None:
-        """Set the mean pressure to p0 and go on from the present gap, without an FFT.
+        """Set the mean pressure to p0 and go on from the present gap, without an FFT. Collective.
 
-        The pressure p changes by a constant everywhere. Then `restart` forgets the last step; with
-        a hardness bpx may also move or dent the body as a whole there. Collective.
+        The pressure changes by a constant; then `restart` forgets the last step. With a hardness
+        bpx may also move or dent the body as a whole.
         """
         before = self.p_cell
         self.p0 = float(p0)
@@ -246,15 +243,11 @@ class Solver:
 
     @property
     def is_separated(self) -> bool:
-        """Whether the bodies have come apart for good: no contact, and the load pulls at least as
-        hard as the attraction. Always False for solvers that do not solve adhesive contacts."""
+        """Whether the bodies have come apart for good: no contact, pulled beyond the attraction."""
         return False
 
     def after_stability(self) -> None:
-        """Prepare the next step after `stability_of` has overwritten the fields of self.levels.
-
-        By default calls `restart`, which forgets the last step.
-        """
+        """Prepare the next step after `stability_of` has overwritten the fields of the levels."""
         self.restart()
 
     def room(self) -> AbstractContextManager[None]:
@@ -268,10 +261,10 @@ class Solver:
         raise NotImplementedError
 
     def step_ahead(self) -> None:
-        """Make the next step of the gap alone, and add 1 to `iterations`; p stays.
+        """Make the next step of the gap alone, counted; only for solvers with `goes_ahead`.
 
-        A certificate then computes p there, so that both take one FFT pair. Call `restart` or
-        `after_certificate` before the next step. Only solvers with `goes_ahead` implement it.
+        A certificate then computes p there, so that both take one FFT pair; call `restart` or
+        `after_certificate` before the next step.
         """
         raise NotImplementedError
 
@@ -291,11 +284,10 @@ class Solver:
         raise NotImplementedError
 
     def estimate_errors(self) -> Estimate:
-        """Estimate the errors that a certificate would find, from g and p without an FFT.
+        """Estimate what a certificate would find, from g and p, by a sweep of the levels alone.
 
-        Overwrites the fields of self.levels; takes one pass over memory and a sweep over the
-        levels. For solvers whose steps do not compute these sums. Needs stored heights, and that
-        there is no attraction.
+        For solvers whose steps do not compute these sums; without an attraction, with stored
+        heights. Overwrites the fields of self.levels.
         """
         from ..certificate.error_estimates import State, estimate
 
@@ -320,10 +312,7 @@ class Solver:
         return estimate(self.problem, self.levels, self.g, state)
 
     def _work_of_pressure(self, i0: int, i1: int) -> float:
-        """Return the share of local rows i0 <= i < i1 in <u, K u> = <u, p - p_cell>.
-
-        Only without an attraction, which p would contain.
-        """
+        """Return the share of local rows i0 <= i < i1 in <u, K u>, without an attraction."""
         rows, points = self.grid.inside
         u = self.g[i0:i1].astype(np.float64)
         inner = max(min(rows, i1) - i0, 0)
@@ -331,9 +320,5 @@ class Solver:
         return float(np.vdot(u, self.p[i0:i1].astype(np.float64) - self.p_cell))
 
     def expected_area(self, estimate: Estimate) -> float:
-        """Return the relative error of the area that a certificate would probably find.
-
-        `estimate` has the other errors of the same state. A solver that does not look at single
-        points returns 0: the certificate decides.
-        """
+        """Return the relative error of the area that a certificate would probably find, or 0."""
         return 0.0

@@ -1,15 +1,15 @@
 """Projected conjugate gradients in displacement space, one FFT pair per iteration.
 
 The energy of equation (1) in docs/method.md is minimised over feasible gaps, preconditioned by the
-locally damped multilevel operator (5) of `multilevel.py`. Each step minimises the energy in the
-plane of the preconditioned residual z and the last step d; <z, K z>, which would cost a second FFT,
-is predicted from the Rayleigh quotient of the last step. The step is clipped to the feasible set,
-and the energy along the (feasible) chord is minimised exactly, so it never rises. Where clipping
-spoils the descent the step is replaced by a plain projected gradient step.
+locally damped multilevel operator (5). Each step minimises it in the plane of the preconditioned
+residual z and the last step d; <z, K z>, which would cost a second FFT, is predicted from the last
+Rayleigh quotient. The step is clipped to the feasible set and the energy along the chord minimised
+exactly, so it never rises. Where clipping spoils the descent a plain projected gradient step is
+made.
 
-One iteration is three passes over memory: `search_passes` (projected step, row transforms), column
-transforms with K between them, `update_passes` (row transforms, new state). The displacement itself
-never appears: with the gap g = u + h and p = p0 + K u, a step d changes them by d and by K d.
+One iteration is three passes over memory: `search_passes` (projected step, row transforms), columns
+with K, `update_passes` (row transforms, new state). With the gap g = u + h and p = p0 + K u a step
+d changes them by d and K d: the displacement itself never appears.
 """
 
 import sys
@@ -42,11 +42,11 @@ SHIFT = 0.62
 class Bpx(Solver):
     """The default solver, preconditioned projected conjugate gradients; without options.
 
-    d: last step of the gap, as kernels/bfloat16.py stores it, of which the share s was made; rr,
-    pp: <r, r> and <p, p>, r being p out of elastic contact (less the hardness where points yield)
-    and 0 in it; mean: of r over the whole grid; rz, rd, zKd, dKd: products of r, z = M r and the
-    last step s d; rayleigh: <z, K z>/<r, z> of the last step; attracted: sum of the attraction over
-    all points; level_sums: the last five sums of Multilevel.sweep. Sums are over all ranks.
+    d: last step of the gap, as in kernels/bfloat16.py, of which the share s was made; rr, pp: <r,
+    r>, <p, p>, r being p out of elastic contact (less the hardness where points yield), else 0;
+    mean: of r over the grid; rz, rd, zKd, dKd: products of r, z = M r and s d; rayleigh: <z, K
+    z>/<r, z> of the last step; attracted: sum of the attraction; level_sums: last five sums of
+    Multilevel.sweep. All over all ranks.
     """
 
     name = "bpx"
@@ -82,10 +82,8 @@ class Bpx(Solver):
     # -- starting
 
     def start(self, g: np.ndarray) -> None:
-        """Begin at the gap g >= 0 (local slab, copied): compute its pressure with one FFT pair.
-
-        The gap mode may take more pairs. With a hardness the body may be moved or dented as a whole
-        right at the start, see `_begin`. Collective.
+        """Begin at the gap g >= 0 (local slab, copied) by one FFT pair, plus those of the gap mode;
+        with a hardness the body may move or dent. Collective.
         """
         self._lay(g)
         self.problem.transform_displacement(self.elastic.fft, self.g)
@@ -102,10 +100,9 @@ class Bpx(Solver):
         self._begin(sums)
 
     def restart(self, certificate: Certificate | None = None) -> None:
-        """Forget the last step and begin a new descent at the present g and p, see `_begin`.
-
-        Takes no FFT, apart from the gap mode. With an attraction p contains it; without a
-        certificate the caller has set `self.attracted` to that of g. Collective.
+        """Forget the last step and begin again at g and p, without an FFT but for the gap mode.
+        Collective. With an attraction the caller has set `self.attracted`, unless there is a
+        certificate.
         """
         if certificate is not None:
             self.uKu = certificate.uKu
@@ -119,13 +116,12 @@ class Bpx(Solver):
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
-        """Begin a new descent: without a last step, with the Rayleigh quotient of a first step.
+        """Begin a new descent without a last step. Collective; the gap mode may take FFT pairs.
 
-        The caller has set self.d to 0, and self.uKu and self.attracted to those of the present
-        state, and has put r and t on the levels by `levels.update` or `levels.restrict`, which
-        returned the sums of this rank. With a hardness and no attraction the body may be moved or
-        dented as a whole, if that has less energy: g changes then, and with a dent p and uKu, too.
-        Collective; the gap mode may take FFT pairs.
+        The caller has set self.d to 0, self.uKu and self.attracted to the state's, and put it on
+        the levels (`levels.update` or `restrict`), which returned `sums` of this rank. With a
+        hardness and no attraction the body may be moved or dented as a whole: then g, p and uKu
+        change.
         """
         self.s = 1.0
         self.rayleigh = FIRST
@@ -140,10 +136,8 @@ class Bpx(Solver):
     # -- one iteration
 
     def step(self) -> None:
-        """Make one iteration, with one FFT pair: update g, p and all scalars in place. Collective.
-
-        A body that touches nowhere is lowered first. With a spring p0 changes, too; with a hardness
-        the body may be shifted after the step (`_balance`).
+        """Make one iteration, with one FFT pair, in place. Collective. A body that touches nowhere
+        is lowered first; springs change p0, and a hardness may shift the body.
         """
         if self.contact == 0:
             self._lower()
@@ -171,8 +165,7 @@ class Bpx(Solver):
         self.iterations += 1
 
     def _lower(self) -> None:
-        """Lower a body that touches nowhere until it touches; a new descent begins if this changes
-        the pressure. Collective."""
+        """Lower a body until it touches; a new descent begins if p changes. Collective."""
         by, attracted = self.wall.lower(self.g, self.p, self.wall_load)
         self.gap_mean -= by
         if attracted is not None:
@@ -180,12 +173,8 @@ class Bpx(Solver):
             self.restart()
 
     def _choose_step(self, transforms: bool = True) -> tuple[float, float, list[float]]:
-        """Write the next step -(a z + b d), projected, to self.d and transform its rows; return a,
-        b and what `_search` returned.
-
-        If the projection leaves too little of its descent, it is a plain projected gradient step
-        instead, with a = b = 0 (with a hardness, a shorter one is tried first). transforms: whether
-        the rows are transformed.
+        """Write the projected step -(a z + b d) to self.d, transform its rows, return a, b and
+        `_search`'s sums; plain projected gradient with a = b = 0 if too little descent is left.
         """
         a, b = self._coefficients()
         work = self._search(a, b, 1.0, transforms)
@@ -206,17 +195,15 @@ class Bpx(Solver):
         return 0.0, 0.0, self._search(self.gradient, 0.0, 0.0, transforms)
 
     def _balance(self, descent: float) -> None:
-        """Let a wall with a hardness shift the body, see HardWall.balance; p stays, the last step
-        is forgotten. `descent`: what the last step has gained, or at the start what the first one
-        may gain. Collective."""
+        """Let a wall with a hardness shift the body (HardWall.balance), forgetting the last step;
+        `descent`: gained by it. Collective.
+        """
         if self.wall.balance(self.p0, self.g, self.contact, self.yielded, descent):
             self._measure_again()
 
     def _coefficients(self) -> tuple[float, float]:
-        """Return a and b of the step -(a z + b d) of least energy in the plane of z and d.
-
-        <z, K z> is not known; it is predicted with the Rayleigh quotient of the last z. Here d is
-        the last step that was made, s times self.d. b is 0 without a last step, a too if z is 0.
+        """Return a, b of the step -(a z + b d) of least energy, with <z, K z> by the last Rayleigh
+        quotient, d being s times self.d; b is 0 without a last step, a if z is 0.
         """
         rho = self.rayleigh if self.rayleigh > 0 else 1.0
         rz, rd, zKd, dKd = self.rz, self.rd, self.zKd, self.dKd
@@ -231,13 +218,12 @@ class Bpx(Solver):
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
     def _search(self, a: float, b: float, coupling: float, transforms: bool = True) -> list[float]:
-        """Make the first pass: overwrite self.d with the next step, and transform its rows.
+        """Overwrite self.d with the projected step -(a z + b d), and transform its rows.
+        Collective.
 
-        The step is -(a z + b d), projected, where d is the last step that was made; coupling = 0
-        leaves the coarse levels out of z, else `_measure` must have swept them. Returns four sums
-        over all ranks: <p, d>, with the work of dents; by how much dents become deeper; <t, d> and
-        the change of phi, both 0 without an attraction (kernels/adhesive_rows.py).
-        transforms: whether the rows are transformed. Collective.
+        coupling = 0 leaves the coarse levels out of z, else `_measure` must have swept them.
+        Returns sums over all ranks: <p, d> with the work of dents; deepening of dents; <t, d> and
+        the change of phi (0 without an attraction, kernels/adhesive_rows.py).
         """
         levels = self.levels
         fft = self.elastic.fft
@@ -259,11 +245,8 @@ class Bpx(Solver):
         return self.grid.comm.sum([*np.sum(sums, axis=0), *np.sum(work, axis=0)]).tolist()
 
     def _update(self, s: float) -> UpdateSums:
-        """Make the last pass: add s d to self.g and s K d (with an attraction s y) to self.p;
-        return this rank's UpdateSums.
-
-        The rows of the transforms hold the spectra of K d already. Also puts the new r and t on the
-        levels, and counts an FFT pair.
+        """Add s d to g and s K d (with an attraction s y) to p from the spectra of K d; return this
+        rank's UpdateSums. Puts r and t on the levels, counts an FFT pair.
         """
         self.elastic.pairs += 1
         fields = self.g, self.p, self.d, s, self.elastic.fft.rows, self.wall.limit
@@ -274,12 +257,9 @@ class Bpx(Solver):
         self._measure(self.levels.restrict(self.g, self.p, self.wall.limit), new_contact=True)
 
     def _measure(self, sums: UpdateSums, new_contact: bool = False) -> UpdateSums:
-        """Sweep the levels to z, set the products and counts that the next step and `progress`
-        need, and return the sums of all ranks.
-
-        `levels.restrict` or `levels.update` has put the present state on the levels, and returned
-        `sums`, those of this rank. new_contact: whether to compute the gap mode of the present
-        contact first, which takes FFT pairs if it is wanted. Collective.
+        """Sweep the levels to z, set what the next step and `progress` need, and return sums over
+        all ranks. Collective. new_contact: compute the gap mode first (FFT pairs); `sums`: this
+        rank's, of the state on the levels.
         """
         share = None
         if new_contact:
@@ -331,8 +311,7 @@ class Bpx(Solver):
         return Progress(residual, self.contact, self.gap_mean, errors, finite, predicted)
 
     def _estimate(self) -> Estimate:
-        """Estimate the errors that a certificate would find, by the sums of the last step; rounding
-        errors that p has accumulated are not seen."""
+        """Estimate a certificate's errors by the last step; blind to accumulated rounding."""
         state = State(
             p0=self.wall_load,
             open_p=self.mean * self.grid.cell_points,
@@ -348,12 +327,9 @@ class Bpx(Solver):
         return estimate(self.problem, self.levels, self.g, state, stability)
 
     def _predicted(self, errors: Estimate) -> tuple[float, float] | None:
-        """Predict the number of points in contact and the mean gap of the converged solution, or
-        None.
-
-        The contact carries the mean pressure of the wall, less the part that is still out of
-        contact (self.mean). The number of points grows in proportion until it carries all, to N at
-        most; the mean gap changes by 0.62 times `errors.shift` over N.
+        """Predict contact points and mean gap of the solution, or None: the contact grows in
+        proportion until it carries the load (self.mean is missing), the gap changes by 0.62
+        `errors.shift`/N.
         """
         carried = self._p_cell_of_wall
         n = self.contact
@@ -380,11 +356,7 @@ class Bpx(Solver):
 def _rayleigh_quotient(
     a: float, b: float, dKd: float, rz: float, zKd: float, dKd_before: float
 ) -> float:
-    """Return <z, K z>/<r, z> by the <d, K d> of the new step -(a z + b d): `dKd`.
-
-    The other products are those of the state before the step. 1 if a or <r, z> is 0, or if the
-    quotient is not finite.
-    """
+    """Return <z, K z>/<r, z> from the new step's <d, K d> and products before; 1 if unknown."""
     if not a * a * rz > 0:
         return 1.0
     zKz = dKd - 2 * a * b * zKd - b * b * dKd_before

@@ -43,10 +43,9 @@ PATIENCE = 20  # stagnation is judged over that many time scales sqrt(lambda/mu)
 class Gfmd(Solver):
     """The paper's damped dynamics, see the file's head: no hardness, no attraction.
 
-    Options: dt, time step relative to the stability limit; damping, a constant one in units of the
-    critical damping of the longest wave (default: chosen anew in every step). d is the velocity,
-    the change of the gap in the last time step; longest and stiffest are smallest and largest K of
-    the waves of the grid; rr, pp, pd, dd, dx, contact and gap are the DynamicsSums of the last step
+    Options: dt, relative to the stability limit; damping, constant, in units of the critical one of
+    the longest wave (default: chosen in every step). d: velocity, the last change of the gap;
+    longest and stiffest: smallest and largest K; rr, pp, pd, dd, dx, contact, gap: DynamicsSums
     over all ranks, x being K d.
     """
 
@@ -74,8 +73,7 @@ class Gfmd(Solver):
         self._measure(self.elastic.use_rows(self._update))
 
     def restart(self, certificate: Certificate | None = None) -> None:
-        """Set the velocity to 0 and compute all sums of the present g and p again, without an
-        FFT."""
+        """Set the velocity to 0 and sum up the present g and p again, without an FFT."""
         if certificate is not None:
             self.uKu = certificate.uKu
         self.d[...] = 0
@@ -100,10 +98,7 @@ class Gfmd(Solver):
         self.iterations += 1
 
     def _coefficients(self) -> tuple[float, float]:
-        """Return a = dt^2 and b = 1 - eta dt^2 of the next step, d <- b d - a p.
-
-        b is 0, which drops the velocity, if the last step went uphill and no damping was given.
-        """
+        """Return a = dt^2, b = 1 - eta dt^2 of the next step; b is 0 if the last went uphill."""
         damping = self.options.get("damping")
         if damping is not None:
             mu = min(damping * damping * self.longest, self.stiffest)

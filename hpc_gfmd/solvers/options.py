@@ -9,10 +9,8 @@ from ..util.errors import SceneError
 def read_options(
     solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]
 ) -> dict[str, float]:
-    """Check the options [solver.options] of a solver, and return those that are given as floats.
-
-    allowed: the smallest and largest value of each option; if the smallest is an int, the option
-    must be a whole number. Raises SceneError if a name is unknown or a value is not allowed.
+    """Return the given [solver.options] as floats; allowed: smallest and largest value of each,
+    ints for whole numbers.
     """
     for name, value in options.items():
         if name not in allowed:
