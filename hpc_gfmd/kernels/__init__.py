@@ -1,2 +1,1 @@
-"""Compiled inner loops. Arrays and scalars in, arrays and partial sums out; the only place that
-imports numba."""
+"""Compiled inner loops: arrays and scalars in, arrays and sums out; only here is numba imported."""

@@ -19,9 +19,8 @@ from .jit import kernel, points_inside
 
 @kernel
 def work_of_step(law, g, d_rows, i0, i1, inside):
-    """Return the sums of t d, t before the step, and of phi(g + d) - phi(g) over rows i0 <= i < i1.
-
-    d_rows holds the step in full precision, from row i0 on.
+    """Return sums of t d (t before the step) and phi(g + d) - phi(g); d_rows: the full-precision
+    step, from row i0.
     """
     td = 0.0
     gained = 0.0
@@ -36,10 +35,8 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
 
 @kernel
 def add_change(law, g, d, Kd, s, i0, i1, inside):
-    """Turn K d into y = K d + (t(g + s d) - t(g))/s, in place, on rows i0 <= i < i1.
-
-    d (encoded) and Kd begin at row i0. New gaps below 0 count as 0. Returns the sum of t at the new
-    gaps, and <d, y> - <d, K d>.
+    """Turn K d into y = K d + (t(g + s d) - t(g))/s, in place; return the sum of the new t, and <d,
+    y> - <d, K d>. d (encoded), Kd: from row i0; gaps below 0 count as 0.
     """
     zero = g.dtype.type(0)
     PROJECTED = encode(g.dtype.type(-np.inf))
@@ -60,11 +57,7 @@ def add_change(law, g, d, Kd, s, i0, i1, inside):
 
 @kernel
 def add_attraction(law, g, x, i0, i1, inside):
-    """Add the attraction t(g) to x, in place, on rows i0 <= i < i1; return the sums of t and phi.
-
-    x, from row i0 on, is the pressure of the body and becomes that of the wall. Gaps below 0 count
-    as 0.
-    """
+    """Add t(g) to x, the body's pressure from row i0 on, in place; return the sums of t and phi."""
     real = x.dtype.type
     zero = real(0)
     t = 0.0
@@ -81,10 +74,7 @@ def add_attraction(law, g, x, i0, i1, inside):
 
 @kernel
 def shift_gap(law, g, p, by, i0, i1, inside):
-    """Lower the gap by a constant on rows i0 <= i < i1 and change p by that of the attraction.
-
-    No gap on the surface may be below the constant; beyond it only g changes. Returns the sum of t.
-    """
+    """Lower the gap by a constant, `by` at most on the surface, change p as t; return sum of t."""
     zero = g.dtype.type(0)
     t = 0.0
     for i in range(i0, i1):
@@ -102,9 +92,7 @@ def shift_gap(law, g, p, by, i0, i1, inside):
 
 @kernel
 def softening(law, g, closed, x, i0, i1, inside):
-    """Set x = -phi''(g) where `closed` is 0, and 0 where it is 1; return its sum and its
-    maximum.
-    """
+    """Set x = -phi''(g) where `closed` is 0, else 0; return its sum and its maximum."""
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
     total = 0.0

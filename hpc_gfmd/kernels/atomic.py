@@ -1,7 +1,4 @@
-"""Counters that several threads change without a lock, in kernels.
-
-When a thread sees a change of a counter, it also sees all that the other thread wrote before it.
-"""
+"""Counters that threads change without a lock; who sees a change sees all writes before it, too."""
 
 from llvmlite import ir
 from numba import types

@@ -1,8 +1,5 @@
-"""What an attraction (laws/) adds at one point: functions for kernels.
-
-`law` is an instance of a law, a named tuple of numbers in the precision of the fields, whose class
-says which functions are compiled in. Without an attraction it is None, and kernels are compiled
-without these calls.
+"""What an attraction (laws/) adds at one point. `law`: a named tuple, in the precision of the
+fields, whose class says what is compiled in; None leaves these calls out.
 """
 
 from math import factorial
@@ -27,16 +24,12 @@ _options = {
 
 
 def decay(x):
-    """Return exp(-x) for x >= 0, in kernels by a polynomial that takes vectors of points.
-
-    Correct up to rounding errors; in kernels never less than exp(-64) = 2e-28.
-    """
+    """Return exp(-x), x >= 0, by a polynomial on vectors; in kernels at least exp(-64) = 2e-28."""
     return np.exp(-np.asarray(x))
 
 
 @overload(decay, jit_options=_options)
 def _decay(x):
-    """Return what numba compiles for `decay` of a float32 or float64."""
     real = np.float32 if x == types.float32 else np.float64
     middle, zero = real(0.5), real(0)
     terms = TERMS[types.float32 if x == types.float32 else types.float64]

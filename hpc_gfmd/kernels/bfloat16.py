@@ -1,8 +1,5 @@
-"""Storage of numbers that may be wrong by 1/128 of themselves: of float32 its first 16 bits
-(bfloat16), of float64 a float32.
-
-Kernels are given arrays of float32 or of uint16. Sixteen bits are cut off, not rounded: nothing
-becomes larger than it was.
+"""Storage of numbers that may be wrong by 1/128: the first 16 bits of float32 (bfloat16, as
+uint16), float32 of float64. Bits are cut off: nothing becomes larger.
 """
 
 import numpy as np
@@ -11,9 +8,7 @@ from numba.extending import overload
 
 
 def stored_dtype(dtype):
-    """Return the dtype of lower precision: uint16 (bfloat16) beside float32, float32 beside
-    float64.
-    """
+    """Return the lower precision: uint16 (bfloat16) beside float32, float32 beside float64."""
     return np.dtype(np.uint16 if np.dtype(dtype) == np.float32 else np.float32)
 
 
@@ -27,7 +22,6 @@ def decode(number):
 
 @overload(encode)
 def _encode(number):
-    """Return what numba compiles for `encode`."""
     if number == types.float32:
         return lambda number: np.uint16(np.float32(number).view(np.uint32) >> np.uint32(16))
     return lambda number: np.float32(number)
@@ -35,17 +29,13 @@ def _encode(number):
 
 @overload(decode)
 def _decode(number):
-    """Return what numba compiles for `decode`."""
     if number == types.uint16:
         return lambda number: np.uint32(np.uint32(number) << np.uint32(16)).view(np.float32)
     return lambda number: np.float64(number)
 
 
 class Decoded:
-    """View of a stored array, of uint16 or float32, as float32.
-
-    A slice of uint16 is converted to a new array when it is taken; a slice of float32 is a view.
-    """
+    """View of a stored array as float32; a slice of uint16 is converted anew, of float32 a view."""
 
     dtype = np.dtype(np.float32)
 
@@ -61,9 +51,7 @@ class Decoded:
 
 
 def encoded(numbers, dtype):
-    """Convert numbers to the lower precision in which they are stored beside fields of `dtype`; may
-    return `numbers` itself.
-    """
+    """Convert numbers to the lower precision beside `dtype`; may return `numbers` itself."""
     numbers = np.asarray(numbers, np.float32)
     if stored_dtype(dtype) == np.float32:
         return numbers

@@ -56,12 +56,9 @@ from .yielding import at_contact, landing, limit, yields
 
 
 class UpdateSums(NamedTuple):
-    """Sums over the points of some rows that `update_state` makes, in its order.
-
-    r is the pressure on F, less H where a point yields. pp has r^2 + H^2 in place of p^2 where a
-    point yields; rd, dKd and rKd are products on F; contact counts the points in A and those that
-    yield; gap is the sum of g without dents; attraction and stiffening are what `add_change`
-    returns.
+    """Sums over points of some rows, in this order: r is p on F, less H where a point yields; pp:
+    p^2, where it yields r^2 + H^2; rd, dKd, rKd: on F; contact: in A or yielding; gap: without
+    dents; attraction, stiffening: of `add_change`.
     """
 
     rr: float
@@ -103,11 +100,9 @@ def search_passes(
 ):
     """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
 
-    Every thread of the rank calls this, and takes one share of the passes after another: `turns` is
-    their common counter, `shares` the first pass of each share and the end, `passes` the same of
-    rows. `rows` (transforms.py) and `scratch`, two separate rows, are memory of one thread. `sums`
-    and, with a law, `work` get what `projected_step` and `work_of_step` return of each pass.
-    `transforms`: whether the rows are transformed.
+    Every thread calls this, and takes shares by `turns`, their common counter; `shares`: first pass
+    of each and end, `passes`: of rows. `rows` (transforms.py) and `scratch` (two separate rows) are
+    of one thread. `sums`, `work`: of each pass, from `projected_step` and `work_of_step`.
     """
     share = add(turns, 0, 1)
     while share < shares.shape[0]:
@@ -144,12 +139,11 @@ def update_passes(
     inside,
     law,
 ):
-    """Transform rows of K d back and set g += s d and p += s K d, pass after pass: line 6.
+    """Transform rows of K d back (if `spectra`) and set g += s d, p += s K d, pass by pass: line 6.
 
-    Threads take shares as in `search_passes`. The new state is restricted to level 1: `first_rows`
-    (shares, 3, m) gets the part of each share's first pass in the coarse row that the pass before
-    has, too, and `join_shares` adds it to `coarse`. `sums` gets the UpdateSums of each pass;
-    `spectra`: whether the rows of K d come as spectra.
+    Threads as in `search_passes`. Restricts to level 1: `first_rows` (shares, 3, m) gets what a
+    share's first pass adds to the coarse row of the pass before, for `join_shares`. `sums`:
+    UpdateSums.
     """
     gathered, shared = scratch
     zero = g.dtype.type(0)
@@ -205,12 +199,12 @@ def add_step(g, d):
 
 @inline
 def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scratch):
-    """Make the step d = max(g - alpha z - beta d, 0) - g out of contact, 0 in contact.
+    """Make the step d = max(g - alpha z - beta d, 0) - g out of contact, 0 in contact, with z on
+    the fly.
 
-    z is formed on the fly; coupling = 0 gives the step of line 3. With a hardness the projection is
-    the proximal map `landing`: a point may go through contact and yield, or come out of it. step:
-    (alpha, beta, coupling, compliance). d_rows gets the step as it is stored, in full precision.
-    Returns <r, d> with the work of dents, and by how much dents become deeper, summed over points.
+    coupling = 0: line 3; with a hardness the proximal map `landing`. step: (alpha, beta, coupling,
+    compliance). d_rows: the stored step in full precision. Returns sums of <r, d> with the work of
+    dents, and of deepening.
     """
     J_x, f_x, mode, J_y, f_y, _ = transfer
     alpha, beta, coupling, compliance = step
@@ -271,11 +265,11 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
 
 @inline
 def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, gathered, sums):
-    """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict r, t and K d on F to level 1.
+    """Set g += s d and p += s K d, and restrict r, t and K d on F to level 1.
 
     i0 is the first row beside its coarse row. `coarse` (3, coarse rows + 2, m) gets the coarse rows
-    that these rows have alone, `shared` (2, 3, m) the first one and the one after the last. In
-    `gathered` (6, >= n_y) rows 0 to 2 are a complete coarse row, 3 to 5 what is there of the next.
+    that these rows have alone, `shared` (2, 3, m) the first one and the one after the last. Rows 0
+    to 2 of `gathered` (6, >= n_y) are a complete coarse row, 3 to 5 what is there of the next.
     """
     J_x, f_x, mode, J_y, f_y, factor = transfer
     n = g.shape[1]
@@ -361,10 +355,8 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
 
 @inline
 def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
-    """Add up r, t and K d over rows start <= i < end, which lie beside one coarse row.
-
-    As `multilevel.gather_rows`, in a loop of its own and with rows of one array: with more pointers
-    than this the compiler gives up on vectors.
+    """Add up r, t and K d beside one coarse row, as `multilevel.gather_rows`, but with rows of one
+    array: with more pointers the compiler gives up on vectors.
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)

@@ -1,10 +1,9 @@
-"""Keep compiled kernels from run to run: in a folder for each state of their sources, versions and
-kind of processor.
+"""Keep compiled kernels from run to run, in a folder for each state of sources, versions,
+processor.
 
-numba looks at the source file of a kernel only, but functions of other files are compiled into it;
-hence the folders. numba also trusts the bytes that it finds, and numbers the files of a kernel, so
-that two processes that compile at the same moment mix them up. So this module writes the files: one
-for each kernel and signature, read only if its checksum is right.
+numba looks at a kernel's own source file only, but functions of others are compiled in. It also
+trusts the bytes that it finds, and numbers files, so that two processes mix them up. So this module
+writes one file a kernel and signature, with a checksum.
 """
 
 import gc
@@ -40,10 +39,8 @@ SUFFIX = ".kernel"  # of the files
 
 
 def compiled_on_first_use(function: Callable[..., Any], variant: str = "", **options: Any) -> Any:
-    """Return numba.njit(**options)(function), which keeps its machine code in `folder()`.
-
-    variant: part of the names of the files, for kernels that are made of the same source. Raises
-    SceneError if NUMBA_DISABLE_JIT is set.
+    """Return numba.njit(**options)(function) with its code in `folder()`; variant: for kernels of
+    the same source. SceneError if NUMBA_DISABLE_JIT is set.
     """
     if numba.config.DISABLE_JIT:
         raise SceneError(
@@ -69,10 +66,8 @@ def compiled_on_first_use(function: Callable[..., Any], variant: str = "", **opt
 
 
 class KernelFiles:
-    """The files with the machine code of one kernel; methods as of numba's `IndexDataCacheFile`.
-
-    `stem` is what they are called, up to a hash and `SUFFIX`; `source` changes with that of the
-    kernel.
+    """The files of one kernel, with the methods of numba's `IndexDataCacheFile`; `stem`: their name
+    up to a hash; `source`: of the kernel's text.
     """
 
     def __init__(self, stem: Path, source: str):
@@ -80,9 +75,7 @@ class KernelFiles:
         self.source = source
 
     def load(self, key: Any) -> Any:
-        """Return the code saved under (signature, processor, hash of the bytecode), None if there
-        is none that is whole and of this source.
-        """
+        """Return the code saved under a key, None if none is whole and of this source."""
         path, purpose = self._file(key)
         content = kept(path, purpose)
         if content is None:
@@ -116,9 +109,7 @@ def _log(text: str) -> None:
 
 @cache
 def stamp() -> str:
-    """Return a hash of all kernels, laws of attraction, versions and the kind of processor, on
-    which machine code depends.
-    """
+    """Return a hash of what machine code depends on: kernels, laws, versions, processor."""
     made_by = (
         numba.__version__,
         llvmlite.__version__,
@@ -136,10 +127,7 @@ def stamp() -> str:
 
 @contextmanager
 def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
-    """Announce that kernels are compiled in this block: say(text) before the first one.
-
-    At the end say(text) tells how long all of them took, if that was TOLD_SECONDS or more.
-    """
+    """Call say(text) before the first compilation in this block, and after slow ones."""
 
     def announce() -> None:
         path = folder()
@@ -165,10 +153,7 @@ def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
 
 
 class _Clock(event.Listener):  # type: ignore[misc]
-    """Measures the `seconds` of compilations, and calls a function when the first one begins.
-
-    Garbage collection is off meanwhile: it takes 7 % of the time.
-    """
+    """Measures `seconds` of compilations; garbage collection, 7 % of them, is off meanwhile."""
 
     def __init__(self, announce: Callable[[], object]) -> None:
         self.announce: Callable[[], object] | None = announce
@@ -197,11 +182,8 @@ class _Clock(event.Listener):  # type: ignore[misc]
 
 
 def folder() -> Path | None:
-    """Return the folder for machine code of the present `stamp`, made if missing; None if none can
-    be written.
-
-    It is in NUMBA_CACHE_DIR or the cache folder of the user; where that cannot be written to, in
-    the machine's folder for temporary files, so that not every rank compiles.
+    """Return the folder for machine code of this `stamp`, or None: in NUMBA_CACHE_DIR, the user's
+    cache, or else the machine's temporary folder, so that not every rank compiles.
     """
     root: Path | None
     if numba.config.CACHE_DIR:
@@ -227,10 +209,7 @@ def _temporary_folder(state: str) -> Path | None:
 
 @cache
 def _folder(root: Path, state: str) -> Path | None:
-    """Return the folder of a stamp in a root; if it is new, remove all but the NEWEST ones.
-
-    None if it cannot be written to, or the disk is nearly full.
-    """
+    """Return a stamp's folder, and remove all but the NEWEST; None if it cannot be written."""
     path = root / f"hpc-gfmd-{state}"
     try:
         if not path.is_dir():

@@ -35,9 +35,8 @@ ROUNDED = 1.00001  # more than rounding in single precision makes of a number
 
 
 class KktSums(NamedTuple):
-    """Sums over points: of p, p^2 and p^4 out of contact (where a point yields, of p - H), p^2 in
-    contact, and |p| g (where a point yields |p - H| times the depth of its dent); points in
-    contact, g without dents, points that yield.
+    """Sums over points: p, p^2, p^4 out of contact (yielding: p - H), p^2 in contact, |p| g
+    (yielding: |p - H| times depth); points in contact, g without dents, yielding points.
     """
 
     open_p: float
@@ -52,9 +51,7 @@ class KktSums(NamedTuple):
 
 @kernel
 def displacement_passes(passes, shares, turns, rows, g, h, level):
-    """Transform the rows of u - level, pass after pass, with u as in `displacement_rows`; threads
-    as in bpx.py: search_passes.
-    """
+    """Transform rows of u - level (`displacement_rows`), threads as in bpx.py: search_passes."""
     share = add(turns, 0, 1)
     while share < shares.shape[0]:
         for k in range(shares[share, 0], shares[share, 1]):
@@ -78,11 +75,8 @@ def displacement_rows(g, h, x, i0, i1, level):
 
 @kernel
 def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
-    """Set p = p0 + x on rows i0 <= i < i1, x being K u; return KktSums and the largest -p where g
-    <= 0, or 0.
-
-    `worst` (n_y,), 0 at first, gets that of each column: a single maximum over all points would not
-    use vectors.
+    """Set p = p0 + x, x being K u; return KktSums and the largest -p where g <= 0. `worst` (n_y,),
+    0 at first: by column, as one maximum would not use vectors.
     """
     open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = 0.0
     at_limit = limit(H, 0.0)
@@ -124,9 +118,7 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
 
 @kernel
 def open_moments(g, p, H, inside):
-    """Return the sums of p^2 and p^4 out of contact, of p - H where a point yields, in double
-    precision.
-    """
+    """Return sums of p^2 and p^4 out of contact, of p - H where a point yields."""
     squares = fourth = 0.0
     at_limit = limit(H, 0.0)
     for i in range(inside[0]):
@@ -144,12 +136,10 @@ def open_moments(g, p, H, inside):
 def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
     """Count points by the square of the pressure error that moves them into contact or out of it.
 
-    That error is |p| where g <= 0. Elsewhere it is g/compliance, less the pressure that is left
-    there, which closes the point by itself. Where the body as a whole may be too high or too low it
-    is less by fall/compliance. Points with an error below `tie` before these deductions are right
-    on either side and not counted; those below `sure` after them are in the last bin. counts (2,
-    BINS), in contact and out of it: bin k has squares from largest 2^(-(k + 1)/PER_OCTAVE) on, the
-    last one all smaller ones.
+    That error is |p| where g <= 0, elsewhere g/compliance less the pressure left there, less
+    fall/compliance where the body may be too high or low. Below `tie`, before deductions, a point
+    is right on either side; below `sure` it is in the last bin. counts (2, BINS): in and out of
+    contact; bin k from largest 2^(-(k + 1)/PER_OCTAVE) on.
     """
     real = g.dtype.type
     by_fall = fall / compliance
@@ -226,10 +216,8 @@ def changing_points(points, takes, mean_square, by_load, squares, reach, few, al
 
 @kernel
 def count_heights(g, inside, largest, counts):
-    """Count open points by their gap, and dents by their depth: counts (2, BINS + 1).
-
-    Bin k has heights from largest 2^(-k/PER_OCTAVE) down to the next one, bin BINS - 1 all smaller
-    ones; larger ones are not counted. The last column has the points with g <= 0, and with g < 0.
+    """Count open points by gap, dents by depth: counts (2, BINS + 1), bin k from largest
+    2^(-k/PER_OCTAVE) down, larger ones not; last column: g <= 0, g < 0.
     """
     for i in range(inside[0]):
         for j in range(inside[1]):
@@ -249,9 +237,7 @@ def count_heights(g, inside, largest, counts):
 
 @kernel
 def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
-    """Set x = p^ - p on rows, p^ being scale p + shift in elastic contact, H where a point yields,
-    else 0.
-    """
+    """Set x = p^ - p: p^ = scale p + shift in elastic contact, H where it yields, else 0."""
     zero = x.dtype.type(0)
     unit = x.dtype.type(1)
     at_limit = limit(H, zero)

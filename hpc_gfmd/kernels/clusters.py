@@ -35,9 +35,9 @@ def _root(node, parent, shift):
 def join(edges, parent, shift, wraps):
     """Join the trees of all pieces that edges connect: changes parent, shift and wraps.
 
-    edges: piece a, piece b, borders crossed from a to b along x and y. parent: at first each piece
-    itself, at the end the root of its tree. wraps becomes true for an axis along which two ways to
-    the same piece cross different numbers of borders: a closed way goes around the cell.
+    edges: piece a, piece b, borders crossed from a to b along x, y. parent: at the end the root.
+    wraps becomes true where two ways to a piece cross different numbers of borders: around the
+    cell.
     """
     for k in range(edges.shape[0]):
         a = edges[k, 0]

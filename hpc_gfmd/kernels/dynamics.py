@@ -22,9 +22,7 @@ from .jit import kernel
 
 
 class DynamicsSums(NamedTuple):
-    """Sums over points: p^2 on F and everywhere, p d, d^2, d x, points in contact, gap of the
-    surface.
-    """
+    """Sums over points: p^2 on F and everywhere, p d, d^2, d x, points in contact, gap."""
 
     rr: float
     pp: float
@@ -37,10 +35,7 @@ class DynamicsSums(NamedTuple):
 
 @kernel
 def verlet_step(g, p, d, x, i0, i1, a, b, inside):
-    """Make one time step on rows i0 <= i < i1: d <- b d - a p, g <- g + d; x gets the change of g.
-
-    A point that hits the wall stops there (zero restitution): g = 0 and d = 0.
-    """
+    """Set d <- b d - a p, g <- g + d, and g = d = 0 where a point hits the wall; x: g's change."""
     zero = g.dtype.type(0)
     for i in range(i0, i1):
         g_i = g[i]
@@ -59,9 +54,7 @@ def verlet_step(g, p, d, x, i0, i1, a, b, inside):
 
 @kernel
 def update_pressure(g, p, d, x, i0, i1, inside):
-    """Set p <- p + x, x being K times the change of g, on rows i0 <= i < i1; return the
-    DynamicsSums.
-    """
+    """Set p <- p + x, x being K times the change of g; return the DynamicsSums."""
     zero = g.dtype.type(0)
     RR = PP = PD = DD = DX = CONTACT = GAP = 0.0
     for i in range(i0, i1):

@@ -22,12 +22,9 @@ NEEDLESS = {"InlineClosureLikes", "InlineInlinables", "InlineOverloads", "Nopyth
 
 
 def kernel(function: Callable[..., Any], piece: bool = False) -> Any:
-    """Make a function a kernel: compiled on first use, kept in the cache, run without the GIL.
-
-    It must not make arrays, because counting references would be slow; nor contain functions. A
-    `piece` is copied into other kernels: if it were called instead, code from the cache and code
-    that has just been compiled would contain different copies of it, and results could differ in
-    the last bits.
+    """Make a function a kernel: compiled on first use, cached, without the GIL; no arrays made, no
+    functions within. A `piece` is copied into others: called, it might differ in last bits between
+    cached and new code.
     """
     compiled = compiled_on_first_use(
         function,
@@ -74,10 +71,7 @@ class KernelCompiler(CompilerBase):  # type: ignore[misc]
 
 
 class OperatorTypes:
-    """numba's typing context, which remembers the types that operators return.
-
-    numba itself tries all meanings of an operator wherever it occurs, 7 % of the time of compiling.
-    """
+    """numba's typing context with a memory of operators' types, which saves 7 % of compile time."""
 
     signatures: ClassVar[dict] = {}  # of operations: by operator and types of its operands
 
@@ -100,11 +94,7 @@ class OperatorTypes:
 
 
 class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """What LLVM makes of a kernel: it uses vectors, but does not unroll loops.
-
-    Unrolled loops take an eighth of the time of compiling and make nothing faster: most of the time
-    goes into memory and transforms.
-    """
+    """What LLVM makes of a kernel: vectors, but no unrolled loops, which are slow to compile."""
 
     def _optimize_functions(self, module: Any) -> None:
         """Tidy up each function by itself, before pieces are copied into it."""
@@ -129,11 +119,7 @@ class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
 
 
 class PieceLibrary(KernelLibrary):
-    """What LLVM makes of a piece: it becomes machine code only within the kernels that it is copied
-    into.
-
-    Should a version of numba not call this method, it only takes longer.
-    """
+    """What LLVM makes of a piece: machine code only within the kernels that it is copied into."""
 
     def _optimize_final_module(self) -> None:
         """Make no machine code of the functions that are always copied."""
@@ -147,8 +133,5 @@ inline = partial(kernel, piece=True)
 
 @inline
 def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
-    """Return how many points of row i belong to the surface, the first ones; 0 in a row beyond it.
-
-    Unsigned: a loop that begins at a number that might be negative does not use vectors.
-    """
+    """Return how many points of row i are on the surface; unsigned, so that loops use vectors."""
     return np.uint64(inside[1] if i < inside[0] else 0)

@@ -1,5 +1,4 @@
-"""Moving whole cache lines, which numba has no words for: compiled loops over a few numbers spend
-more time on their ends."""
+"""Moving whole cache lines: compiled loops over a few numbers spend more time on their ends."""
 
 from llvmlite import ir
 from numba import types
@@ -10,9 +9,7 @@ WIDTH = 8  # numbers in a line
 
 @intrinsic
 def move_line(_, target, i, source, j):
-    """Set target[i:i + WIDTH] = source[j:j + WIDTH], contiguous float64, unchecked. Only in
-    kernels.
-    """
+    """Set target[i:i + WIDTH] = source[j:j + WIDTH], contiguous float64, unchecked, in kernels."""
 
     def generate(context, builder, signature, values):
         def pointer(k):

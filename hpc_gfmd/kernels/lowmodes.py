@@ -15,9 +15,7 @@ from .jit import kernel
 
 @kernel
 def split(waves, shift_x, shift_y, norm, parts):
-    """Split the lowest modes of a spectrum, waves, into `parts`, products of cos and sin along both
-    axes.
-    """
+    """Split the lowest modes of a spectrum, waves, into `parts`, products of cos and sin."""
     n_x = waves.shape[0]
     for k in range(norm.shape[0]):
         for j in range(norm.shape[1]):
@@ -34,11 +32,8 @@ def split(waves, shift_x, shift_y, norm, parts):
 
 @kernel
 def multiply(part, matrices, by_columns, x):
-    """Multiply the modes of one parity, an array of `parts`, by their symmetric matrices, in place.
-
-    With `by_columns` there is one for each column, m = rows; without it one for each row, m =
-    columns, or a single one for all modes row by row. Returns <part, matrices part> of the modes
-    before.
+    """Multiply modes of one parity by symmetric matrices, one for each column (`by_columns`) or
+    row, or for all modes, in place; return <part, matrices part> before.
     """
     stack = matrices.shape[0]
     m = matrices.shape[1]
@@ -61,10 +56,8 @@ def multiply(part, matrices, by_columns, x):
 
 @kernel
 def join(parts, shift_x, shift_y, norm, unit, positive, negative):
-    """Undo `split`, and multiply by `unit`.
-
-    `positive` (m_x, m_y) gets the modes with k_x >= 0, `negative` (m_x - 1, m_y) those with -k_x <
-    0, the largest k_x first.
+    """Undo `split` and multiply by `unit`: `positive` (m_x, m_y), k_x >= 0; `negative` (m_x - 1,
+    m_y), -k_x < 0, largest first.
     """
     m_x = norm.shape[0]
     for k in range(m_x):

@@ -104,11 +104,7 @@ def combine_rows(coarse, J, f, out):
 
 @inline
 def rows_beside(start, end, f_x, zero, one):
-    """Return the two rows beside a coarse row, a and b, then 1 - f_x of each, f_x of each.
-
-    start <= i < end, never both 0. There are never more than two; some other row stands for those
-    that are missing, and adds nothing.
-    """
+    """Return the two rows beside a coarse row, or others that add nothing, and their weights."""
     a = start if start < end else start - 1
     b = end - 1
     f_a = f_x[a]
@@ -120,10 +116,8 @@ def rows_beside(start, end, f_x, zero, one):
 
 @inline
 def gather_rows(fine, start, end, f_x, complete, following):
-    """Restrict along x: add up own rows start <= i < end, all those beside one coarse row.
-
-    Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row; on entry
-    `following` holds what earlier rows add to this coarse row.
+    """Restrict along x the own rows beside one coarse row: complete = following + sum of (1 - f_x)
+    row, following = sum of f_x row.
     """
     real = complete.dtype.type
     a, b, of_a, of_b, next_a, next_b = rows_beside(start, end, f_x, real(0), real(1))
@@ -139,9 +133,9 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
     """Restrict fields by full weighting to the coarse rows that own rows i0 <= i < i1 lie on or
     after.
 
-    i0 is the first of the rows beside its coarse row; with the last own row also the coarse row
-    after it is set; coarse rows that no fine row lies beside are left as they are. Rows are added
-    up first: that is contiguous, and leaves half as many rows to restrict along the other axis.
+    i0 is the first row beside its coarse row; the last own row also sets the coarse row after it;
+    coarse rows without fine ones stay. Rows are added up first: contiguous, and half as many
+    remain.
     """
     J_x, f_x, mode, J_y, f_y, factor = transfer
     rows = fine.shape[1] - 2
@@ -172,9 +166,8 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
 def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
     """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1 of a level.
 
-    `out` gets z and may be the memory of r; z_coarse has valid halo rows; nominal is (s_x, s_y).
-    Returns <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, in the precision of the
-    fields along a row and over rows in double precision.
+    `out`, perhaps r, gets z; z_coarse has halo rows; nominal: (s_x, s_y). Returns <r, z>, <x, z>,
+    <r, r>, <t, t>, <r, t>, <t, s>, <r, s>, over rows in double precision.
     """
     s_x, s_y = nominal
     J_x, f_x, mode, J_y, f_y, _ = transfer
@@ -216,10 +209,7 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
 
 @kernel
 def join_shares(passes, shares, first_rows, coarse, J_x):
-    """Complete level 1 after the passes of bpx.py: add the shares' first rows, zero all other rows.
-
-    J_x: row of level 1 of each row of the grid, counted from its halo row.
-    """
+    """Complete level 1 after bpx.py's passes: add the shares' first rows, zero all others."""
     zero = coarse.dtype.type(0)
     for c in range(coarse.shape[0]):
         coarse[c, : J_x[0] + 1] = zero
@@ -250,24 +240,23 @@ def sweep_levels(
 ):
     """Sweep over consecutive levels, down to a single point, all of whose rows one rank has.
 
-    r and t are restricted to all levels, and r of every level becomes z (`smooth_level`). All
-    threads of the rank call this at the same time. Each takes the next piece when all stages before
-    it are closed; the thread that ends the last piece of a stage closes it.
+    r and t are restricted to all levels, and r becomes z (`smooth_level`). All threads call this;
+    each takes the next piece when all stages before it are closed, and who ends a stage's last
+    piece closes it.
 
-    pieces (pieces, 6): level, rows i0 <= i < i1, whether they are smoothed (or restricted), first
-    piece of the stage and the one after the last; a stage is one level on the way down or up.
-    turns: counters NEXT, ENDED and CLOSED, all of which the caller sets to the first piece to do;
-    end: the piece after the last one. patience: how often a thread looks at a stage that is not
-    closed before it returns. memory: fields of all levels, and a level of zeros. levels (levels +
-    1, 7): where its fields begin, their number, rows, points along a row, mode of the columns,
-    where its rows and columns begin in `tables`, which holds J_x, f_x, J_y, f_y, s_x and s_y of all
-    levels. numbers: weight and factor of each level; softness: its weight in the sums. mode: the
-    gap mode of level `mode_level`, empty if there is none.
+    pieces (pieces, 6): level, rows i0 <= i < i1, whether smoothed (or restricted), first piece of
+    the stage and the one after the last; a stage is one level down or up. turns: counters NEXT,
+    ENDED, CLOSED, set by the caller to the first piece; end: after the last. patience: looks at a
+    stage that is not closed before returning. memory: fields of all levels, and zeros. levels
+    (levels + 1, 7): where fields begin, their number, rows, points a row, mode of the columns,
+    where rows and columns begin in `tables`, with J_x, f_x, J_y, f_y, s_x, s_y. numbers: weight and
+    factor of each level; softness: its weight in the sums. mode: the gap mode of level
+    `mode_level`, or empty.
 
-    `sums` gets the sums of each piece that is smoothed; `totals` <r, z> and <x, z> on level 0, the
-    other sums of `smooth_level` over levels times their softness, the mean of r, and the product of
-    the gap mode with r. Returns how often this thread looked in vain at a stage that was not
-    closed, or -1 less that number if it lost patience: it must call again, and nothing is lost.
+    `sums`: of each smoothed piece; `totals`: <r, z>, <x, z> on level 0, other sums of
+    `smooth_level` times softness, mean of r, product of gap mode and r. Returns how often this
+    thread looked in vain, or -1 less that if it lost patience: it must call again, and nothing is
+    lost.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2
@@ -319,11 +308,7 @@ def sweep_levels(
 
 @inline
 def _begin_smoothing(memory, levels, mode, mode_level, totals):
-    """Set all totals from r of the levels, before smoothing overwrites it with z.
-
-    totals[MEAN] becomes r of the coarsest level, a single point; totals[AMPLITUDE] <mode, r> on
-    level `mode_level`; the others 0: they are sums, to which `_close_smoothing` adds.
-    """
+    """Set totals from r before it becomes z: its MEAN, the AMPLITUDE <mode, r>, others 0."""
     coarsest = levels.shape[0] - 2
     for c in range(TOTALS):
         totals[c] = 0.0
@@ -338,11 +323,8 @@ def _begin_smoothing(memory, levels, mode, mode_level, totals):
 
 @inline
 def _close_smoothing(fields, sums, softness, has_mode, mode, totals):
-    """Finish a level once z is there: add up its sums, add the gap mode, set the halo rows of z.
-
-    fields: of the level, z in place of r; sums: of its pieces. totals[0] and [1], <r, z> and <x,
-    z>, become those of this level; the others grow by its sums times softness. has_mode: whether
-    this is the level of the mode, whose amplitude in z is totals[AMPLITUDE].
+    """Finish a level once z is there: add its sums times softness, <r, z> and <x, z> of this level
+    alone, the gap mode (has_mode; its amplitude in totals), halo rows of z.
     """
     rows = fields.shape[1] - 2
     n = fields.shape[2]

@@ -36,11 +36,10 @@ RING = SWEEPS + 1  # rows of every quantity that are kept
 def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, deepest, nominal):
     """Compute the gap g on some rows of the fine grid from the solution on the decimated grid.
 
-    Between coarse points u is the cubic through the four nearest, (-1, 9, 9, -1)/16, and p the mean
-    of two. u, p, h: the rows before this rank's own, its own, and those after, HALO of the coarse
-    fields and SWEEPS of h. g may be the memory of h. fine_rows, coarse_rows: number of this rank's
-    first row, and rows of all ranks. stencil: K between a point and itself, its neighbours along x,
-    along y, and the diagonal ones. deepest: compliance times hardness, inf without one.
+    Between coarse points u is cubic, (-1, 9, 9, -1)/16, and p the mean. u, p, h: also rows before
+    and after this rank's, HALO of coarse fields, SWEEPS of h. g may be h. fine_rows, coarse_rows:
+    first row of this rank, rows of all. stencil: K at a point, neighbours along x, y, diagonal.
+    deepest: compliance times hardness, or inf.
     """
     # Rows in rings, with one more point on either side: -g_c, then compliance P p, then v after
     # 0, 1, ... steps; the last row is scratch.
@@ -113,10 +112,8 @@ def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
 
 @inline
 def _coarse_line(field, k, between, factor, near, far, line):
-    """Set line[1:m + 1] to coarse row k of a field, or to a fine row between two coarse ones.
-
-    It is factor times row k or, if `between`, near (k + (k + 1)) + far ((k - 1) + (k + 2)). k
-    counts from the first of this rank's own rows.
+    """Set line[1:m + 1] to factor times coarse row k or, `between`, near (k + (k + 1)) + far ((k -
+    1) + (k + 2)); k from this rank's first.
     """
     before = field[0].shape[0]
     owned_rows = field[1].shape[0]
@@ -140,10 +137,8 @@ def _coarse_line(field, k, between, factor, near, far, line):
 
 @inline
 def _interpolate_row(line, fine, halve_y, near, far):
-    """Set fine[1:-1] from the coarse points line[1:-2] of a periodic row, a copy without halve_y.
-
-    With it a fine point between two coarse ones gets near times both neighbours and far times the
-    next two; the ends of `line` are overwritten.
+    """Set fine[1:-1] from line[1:-2], a copy or, with halve_y, interpolated by near and far; the
+    ends of `line` are overwritten.
     """
     n = fine.shape[0] - 2
     m = line.shape[0] - 3
@@ -171,11 +166,8 @@ def _wrap(row):
 
 @inline
 def _relax(ring, at, i, n, inner, deepest, couplings):
-    """Make one gradient step of v, the correction of the displacement, for row i.
-
-    v of the row's first `inner` points stays >= -g_c, but for dents. at: where the ring of the
-    step's input begins in `ring`; that of its output follows. couplings: factors of v at the point
-    itself, its neighbours along x, along y, and the diagonal ones.
+    """Make one gradient step of v for row i, v >= -g_c on `inner` points but for dents; at: the
+    input's ring, output follows; couplings: as a stencil.
     """
     with_itself, along_x, along_y, diagonal = couplings
     slot = (i + RING) % RING

@@ -1,5 +1,4 @@
-"""Random waves of a given spectrum. The number of a mode depends on (seed, its signed mode numbers)
-alone."""
+"""Random waves of a given spectrum; a mode depends on (seed, its signed mode numbers) alone."""
 
 import numpy as np
 
@@ -23,7 +22,6 @@ def _mix(x):
 
 @inline
 def _uniform(x):
-    """Return a number uniform on (-1, 1) from 64 random bits."""
     return (np.float64(x >> _S11) + 0.5) * (2.0 / 9007199254740992.0) - 1.0
 
 
@@ -74,9 +72,7 @@ def _of_table(k_x, y, table):
 
 @inline
 def _mode(k_x, k_y, law):
-    """Return the amplitude (re, im) of the mode (k_x, k_y) of any signs, the conjugate of that of
-    (-k_x, -k_y); (0, 0) outside the band.
-    """
+    """Return (re, im) of the mode (k_x, k_y) of any signs; 0 outside the band."""
     seed, phases_only, aspect, stretch, laws, table = law
     mirrored = k_y < 0 or (k_y == 0 and k_x < 0)
     if mirrored:
@@ -112,20 +108,15 @@ def _mode(k_x, k_y, law):
 def random_waves(block, keep, factor, j0, columns, n_y, law):
     """Set block = keep block + factor times the random waves of a law.
 
-    block (W, n_x): complete columns of the half spectrum; column w < columns is mode number k_y =
-    j0 + w, the others have no modes. A mode number of exactly half the points is the sum of the two
-    modes that the grid cannot distinguish.
+    block (W, n_x): columns of the half spectrum, w < columns with k_y = j0 + w. A Nyquist mode is
+    the sum of the two that the grid cannot distinguish.
 
-    law: (seed, phases_only, aspect, stretch, laws, table). Both parts of a mode are random numbers
-    between -A and A or, with phases_only, those of a random phase and the mean power of these, 2/3
-    A^2. With aspect = L_y/L_x, a mode is (k_x, y) in units of 2 pi/L_x, y = k_y/aspect.
-
-    laws: (low, high, begins, scales, factors, exponents). With k^2 = stretch . (k_x^2, k_x y, y^2),
-    which is |q|^2 of an isotropic surface, modes have low <= k <= high. In segment s, from
-    begins[s] on, A = factors[s] (k/scales[s])^-exponents[s].
-
-    table: (x_rows, y_rows, powers). If it is not empty, A^2 is interpolated linearly between powers
-    at x_rows (of both signs) and y_rows (0 or more), and 0 beyond; laws do not count.
+    law: (seed, phases_only, aspect, stretch, laws, table). Parts of a mode are random between -A
+    and A or, phases_only, of random phase and power 2/3 A^2. With aspect = L_y/L_x a mode is (k_x,
+    y = k_y/ aspect) in 2 pi/L_x. laws: (low, high, begins, scales, factors, exponents): low <= k <=
+    high, k^2 = stretch . (k_x^2, k_x y, y^2); in segment s A = factors[s]
+    (k/scales[s])^-exponents[s]. table: (x_rows, y_rows, powers), if not empty, gives A^2 by linear
+    interpolation, 0 beyond.
     """
     W, n_x = block.shape
     for w in range(W):

@@ -9,11 +9,8 @@ DIGIT = 16  # bits that one pass over the field decides
 
 @kernel
 def count_digits(bits, inside, sign, shift, prefix, counts):
-    """Add to `counts` how often each value of the next digit follows a known prefix of a key.
-
-    The key of a number orders as its value does: its bits with the sign bit set where it is
-    positive, and all bits inverted where it is negative. shift is the number of bits below the
-    digit.
+    """Add to `counts` the values of the next digit, above `shift` bits, of keys with a known
+    prefix: bits with the sign bit set if positive, else inverted.
     """
     every = sign | (sign - np.uint64(1))
     mask = np.uint64((1 << DIGIT) - 1)

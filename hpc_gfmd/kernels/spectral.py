@@ -26,11 +26,9 @@ PIECE = 1024  # numbers that are summed up in their own precision
 def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward, sums):
     """Transform blocks of columns, multiply them by K or 1/K, and transform back, in place.
 
-    Threads call this at the same time, each with column transforms of its own, and take shares of
-    the blocks, `turns` being their common counter. numbers: the scratch of `columns` as real
-    numbers; factors: (scale, weight, q_x, q_y, table). `sums` (blocks, 2) gets what `multiply`
-    returns and the real part of the block's first number before: in block 0 of rank 0 that of q =
-    0. Without `backward` only `sums` is of use.
+    Threads, with column transforms of their own, take shares by `turns`. numbers: scratch as real
+    numbers; factors: (scale, weight, q_x, q_y, table). `sums` (blocks, 2): of `multiply`, and the
+    first real number before (rank 0, block 0: q = 0). Without `backward` only `sums` counts.
     """
     plans = columns[5]
     scale, weight, q_x, q_y, table = factors
@@ -50,11 +48,8 @@ def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward,
 
 @inline
 def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
-    """Multiply the columns of block k by scale K or by scale/K (0 where K is 0), in place.
-
-    q_x holds every wave number twice. Returns the sum of weight scale K |c|^2 over the complex
-    numbers c before they were multiplied; with `inverse` of weight scale |c|^2/K, without those
-    whose K is 0.
+    """Multiply block k by scale K or scale/K (0 where K is 0), in place; return the sum of weight
+    scale K |c|^2 (or |c|^2/K) before. q_x: every wave number twice.
     """
     energy = 0.0
     for w in range(columns.shape[0]):
@@ -67,11 +62,8 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
 
 @inline
 def _multiply_by_q(column, q_x, q_y, scale, inverse):
-    """Multiply one column by scale K or scale/K, K = |q|/2, in place; return its energy as
-    `multiply`, without weight.
-
-    column, q_x: (2 n_x,), real and imaginary parts in turn, every wave number twice. PIECE numbers
-    at a time are summed up in their own precision.
+    """Multiply one column by scale K or scale/K, K = |q|/2; return its energy, unweighted, PIECE
+    numbers at a time in their own precision.
     """
     real = column.dtype.type
     qy2 = q_y * q_y
@@ -101,9 +93,7 @@ def _multiply_by_q(column, q_x, q_y, scale, inverse):
 
 @inline
 def _multiply_by_table(column, table, scale, inverse):
-    """Do the same as `_multiply_by_q` with K from a table, at q_x >= 0 and the q_y of this
-    column.
-    """
+    """Do the same with K from a table, at q_x >= 0 and this column's q_y."""
     n_x = column.shape[0] // 2
     stored = table.shape[0]
     zero = column.dtype.type(0)

@@ -18,9 +18,7 @@ from .jit import kernel
 
 @kernel
 def subspace_products(V, KV, D, k, i0, i1, sums):
-    """Set sums[0, a, b] and sums[1, a, b], b <= a < k, to <V_a, K V_b> and <V_a, D V_b> over
-    rows.
-    """
+    """Set sums[0, a, b], sums[1, a, b], b <= a < k, to <V_a, K V_b>, <V_a, D V_b> over rows."""
     for a in range(k):
         for b in range(a + 1):
             stiff = 0.0
@@ -35,9 +33,7 @@ def subspace_products(V, KV, D, k, i0, i1, sums):
 
 @kernel
 def combine_directions(V, KV, k, weights, i0, i1):
-    """Replace V[0] by the sum of weights V, V[2] by the same without its first term; KV
-    likewise.
-    """
+    """Set V[0] to the sum of weights V, V[2] to that without its first term; KV likewise."""
     for field in (V, KV):
         for i in range(i0, i1):
             for j in range(field.shape[2]):

@@ -117,10 +117,7 @@ def store_columns(columns, k):
 
 @inline
 def _transpose(memory, begins, rows, columns, width):
-    """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time.
-
-    memory, begins, rows: see `near` at the head of the file.
-    """
+    """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time."""
     for r in range(begins.shape[0]):
         i0 = rows[r, 0]
         n = rows[r, 1] - i0

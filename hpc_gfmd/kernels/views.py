@@ -1,5 +1,4 @@
-"""Views of flat memory for kernels: NumPy's own reshape brings error texts along, which take longer
-to compile than most kernels."""
+"""Views of flat memory: NumPy's reshape brings error texts, slow to compile."""
 
 from numba import types
 from numba.core import cgutils
@@ -8,11 +7,7 @@ from numba.extending import intrinsic
 
 @intrinsic
 def view_fields(_, flat, begin, fields, rows, n):
-    """View flat[begin : begin + fields rows n] as an array (fields, rows, n), unchecked. Only in
-    kernels.
-
-    `flat` has to outlive the view.
-    """
+    """View flat[begin:], which must outlive it, as (fields, rows, n), unchecked, in kernels."""
     array_type = types.Array(flat.dtype, 3, "C")
 
     def generate(context, builder, signature, values):

@@ -25,10 +25,7 @@ def yields(g, p, H, zero, one):
 
 @inline
 def landing(v, plastic, length, H, zero):
-    """Return the gap of a point after a step to v: the proximal map; below 0: the depth of a dent.
-
-    plastic: what `yields` returned before the step; length: of the step for a pressure of 1.
-    """
+    """Return the gap after a step to v, the proximal map (< 0: a dent); plastic: before it."""
     if H is None:
         return max(v, zero)
     if plastic > zero:
@@ -38,11 +35,7 @@ def landing(v, plastic, length, H, zero):
 
 @inline
 def at_contact(w, g, e, H, zero):
-    """Return whether a step takes a point to g = 0, up to the rounding of the stored step e.
-
-    w is the gap that `landing` returns. True also if the stored step reaches or crosses g = 0
-    although w does not.
-    """
+    """Return whether a step, or its stored e, takes a point to g = 0; w: as of `landing`."""
     if H is None:
         return w <= zero or e <= -g
     return w == zero or (w > zero and e <= -g) or (w < zero and e >= -g)
