@@ -103,8 +103,8 @@ def images(
 class _Nodes:
     """Points of one half of the surface along an axis, to fit functions of either parity.
 
-    offsets: distances of all points from the first; fits: `_fit` by parity; even: the even modes at
-    the points, rotated to a row a mode.
+    offsets: distances of all points from the first; fits: what `_fit` returns, by parity; even: the
+    even modes at the points, rotated to as many rows as there are modes.
     """
 
     def __init__(self, cell: float, inside: float, modes: int):

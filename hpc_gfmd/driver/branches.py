@@ -40,9 +40,9 @@ def goes_on(branch: str, p0: float, p0_before: float) -> bool:
 
 
 class SaddleGuard:
-    """Computes the stability of a solver's state, and kicks it from saddles, first in the direction
-    of `branch`. `kicks` counts; `at_saddle`: the last `look` found no equilibrium near;
-    `stability`: or nan.
+    """Computes the stability of a solver's state, and kicks it away from saddles, first in the
+    direction of `branch`. `kicks` counts them; `at_saddle`: whether the last `look` found no
+    equilibrium nearby; `stability`: what it computed, nan before.
     """
 
     def __init__(self, solver: Solver, branch: str):

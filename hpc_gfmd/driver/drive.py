@@ -60,9 +60,10 @@ def drive(
     """Iterate a started solver until a certificate meets the criterion, or until it has to end.
     Collective.
 
-    watch(iterations, progress) before a step may end it as "interrupted". `target` may change p0;
-    `guard` (required with an attraction) computes the stability and leaves saddles; `certificate`:
-    of the start, if it may be accurate enough. The solver's state becomes the solution.
+    watch(iterations, progress) is called before a step and may end the load as "interrupted".
+    `target` may change p0; `guard`, required with an attraction, computes the stability and leaves
+    saddles; `certificate` is that of the start, if it may be accurate enough. The solver's state
+    becomes the solution.
     """
     loop = Loop(solver, criterion, watch, target or Target(solver.p0), guard)
     outcome = None if certificate is None else loop.begin_with(certificate)

@@ -55,7 +55,7 @@ def to_csv(result: Result, path: Path, about: About) -> None:
 
 
 def to_gwy(result: Result, path: Path, about: About) -> None:
-    """Write a Gwyddion file, a channel a load and common field; only m and Pa are its units."""
+    """Write a Gwyddion file with a channel for each load and common field, in m and Pa."""
     from gwyfile.objects import GwyContainer, GwyDataField, GwySIUnit
 
     surface = result.surface

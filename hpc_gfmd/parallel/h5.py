@@ -97,8 +97,9 @@ def lay_out(
     compressed: bool = False,
     more: bool = False,
 ) -> None:
-    """Write a file without its fields' numbers, but take the disk space (OSError if full). One
-    process calls it. describe(file) sees empty datasets; `more` adds to a file.
+    """Write a file without the numbers of its fields, and take the disk space for all of it
+    (OSError if the disk is full). One process calls it. describe(file) is called on empty datasets;
+    `more` adds to a file that exists.
     """
     import h5py
 

@@ -62,8 +62,9 @@ def label(symbol: str, *scales: tuple[Scale, int]) -> str:
 
 
 class Units:
-    """The scales of a result, with SI prefixes, else relative; `height`: of heights (h_rms);
-    `rough`: p* has a meaning, so pressures scale with E* g_rms.
+    """The scales of a result: units with SI prefixes if it has units, otherwise relative ones.
+    `height`: scale of heights without a unit (default: h_rms); `rough`: pressures scale with E*
+    g_rms.
     """
 
     def __init__(

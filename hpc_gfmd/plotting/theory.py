@@ -26,9 +26,9 @@ PERSSON = (
 
 @dataclass(frozen=True)
 class Theory:
-    """A theory in the units of the result. `curves`: functions of the mean pressure by number;
-    density(x, p), x > 0, integrates to a_r; `height`: scale of heights, None for h_rms; `text`:
-    without TeX.
+    """A theory of a surface, in the units of the result. `curves`: functions of the mean pressure
+    by the numbers that they predict; density(x, p), of the local pressure x > 0, integrates to a_r;
+    `height`: the scale of heights, None for h_rms; `text`: the name without TeX.
     """
 
     name: str

@@ -1,5 +1,6 @@
 """Whether a ball or a rough wall sticks: Tabor's parameter, Pastewka and Robbins' criterion. `w` is
-the work of adhesion per area, in the unit of E_star times length.
+the work of adhesion per area, in the unit of E_star times length. Numbers out of range raise
+SceneError.
 """
 
 import numpy as np

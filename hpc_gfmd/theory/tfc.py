@@ -67,7 +67,7 @@ class Correction:
 def paper_table() -> Table:
     """Return the paper's tables of coefficients.
 
-    {"tables": [{"observable": ..., "p_star": ..., "rows": [a row a Hurst exponent]}, ...]}
+    {"tables": [{"observable": ..., "p_star": ..., "rows": [one for each Hurst exponent]}, ...]}
     """
     return table_of("paper")
 
