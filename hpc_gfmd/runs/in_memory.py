@@ -56,19 +56,18 @@ _surfaces: WeakKeyDictionary[PreparedSurface, dict[bool, Kept]] = WeakKeyDiction
 
 
 def scene_of(
-    comm: Comm, heights: Heights, keywords: dict[str, Any], more: dict[str, Any]
+    comm: Comm, heights: Heights, arguments: dict[str, Any]
 ) -> tuple[Scene, np.ndarray | PreparedSurface]:
-    """Return the validated scene and heights for the arguments of `solve`: `keywords` its named
-    ones, `more` the others. SceneError on all ranks, also where they differ between ranks.
-    Collective.
+    """Return the validated scene and heights for the arguments of `solve`. SceneError on all ranks,
+    also where they differ between ranks. Collective.
     """
     with collective_errors(comm, "reading the arguments"):
         wall = heights
         if is_topography(heights):
-            wall = surface_of_topography(heights, keywords["boundary"])
-            keywords = keywords | {"boundary": None}
+            wall = surface_of_topography(heights, arguments.get("boundary"))
+            arguments = arguments | {"boundary": None}
         prepared = wall if isinstance(wall, PreparedSurface) else None
-        scene = scene_of_keywords(keywords, more, prepared)
+        scene = scene_of_keywords(arguments, prepared)
         check(scene)
         if prepared is None:
             wall = complete_array(wall)
@@ -86,14 +85,12 @@ def _require_boundary(heights: np.ndarray, scene: Scene) -> None:
             raise SceneError(question)
 
 
-def changed(
-    comm: Comm, scene: Scene | str | PathLike, keywords: dict[str, Any], more: dict[str, Any]
-) -> Scene:
+def changed(comm: Comm, scene: Scene | str | PathLike, arguments: dict[str, Any]) -> Scene:
     """Return the scene that is given to `solve`, with its other arguments. Collective."""
 
     def read() -> Scene:
         original = scene if isinstance(scene, Scene) else load_scene(scene)
-        made = changed_scene(original, keywords, more)
+        made = changed_scene(original, arguments)
         check(made)
         return made
 

@@ -30,19 +30,12 @@ TABLE_OF_KEY = {  # the table of each key
 }
 
 
-def changed_scene(scene: Scene, named: dict[str, Any], further: dict[str, Any]) -> Scene:
+def changed_scene(scene: Scene, arguments: dict[str, Any]) -> Scene:
     """Return a scene with the keywords of `hpc_gfmd.solve` beside it; see `scene_of_keywords`."""
-    require_keywords(named, further)
-    if named.get("fields") is None and not scene.output.fields:
-        named = named | {"fields": FIELDS}
-    return scene_with(scene, named | further)
-
-
-def scene_with(scene: Scene, arguments: dict[str, Any]) -> Scene:
-    """Return a scene with other values of some keys, by keywords of `solve` that are not None."""
-    changes = _tables(arguments)
+    if arguments.get("fields") is None and not scene.output.fields:
+        arguments = arguments | {"fields": FIELDS}
     tables = scene.model_dump(exclude_none=True)
-    for name, keys in changes.items():
+    for name, keys in _tables(arguments).items():
         alternatives = ALTERNATIVES.get(name, ())
         replaced = () if keys.keys().isdisjoint(alternatives) else alternatives
         kept = {key: value for key, value in tables.get(name, {}).items() if key not in replaced}
@@ -51,28 +44,26 @@ def scene_with(scene: Scene, arguments: dict[str, Any]) -> Scene:
 
 
 def _tables(arguments: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return keywords sorted into the tables of a scene. Raises SceneError for an unknown one."""
+    """Return keywords that are not None, sorted into the tables of a scene; `nu` is nu1 there.
+
+    Raises SceneError for those that belong elsewhere, or that are given twice.
+    """
     tables: dict[str, dict[str, Any]] = {}
-    for key, value in arguments.items():
-        if value is not None or key not in TABLE_OF_KEY:
-            table = TABLE_OF_KEY.get(key) or _refuse(key)
-            tables.setdefault(table, {})[key] = plain(value)
-    return tables
-
-
-def require_keywords(named: dict[str, Any], further: dict[str, Any]) -> None:
-    """Raise SceneError for keywords that belong elsewhere, or that are given twice."""
-    for key in further:
-        if key in OF_RUNS:
-            raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
+    for name, value in arguments.items():
+        key = "nu1" if name == "nu" else name
         if key not in TABLE_OF_KEY:
             _refuse(key)
-    if named.get("nu1") is not None and "nu1" in further:
+        if value is not None:
+            tables.setdefault(TABLE_OF_KEY[key], {})[key] = plain(value)
+    if arguments.get("nu") is not None and "nu1" in arguments:
         raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
+    return tables
 
 
 def _refuse(key: str) -> NoReturn:
     """Raise SceneError for a keyword that is no key, with a similar one that `solve` takes."""
+    if key in OF_RUNS:
+        raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
     if why := not_modelled(key):
         raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
     if key in File.model_fields:
@@ -92,16 +83,13 @@ def _refuse(key: str) -> NoReturn:
     )
 
 
-def scene_of_keywords(
-    named: dict[str, Any], further: dict[str, Any], surface: PreparedSurface | None
-) -> Scene:
-    """Return the validated scene for `named` (None if not given) and `further` arguments of
-    `hpc_gfmd.solve`: an ArrayScene unless the surface knows its table [surface].
+def scene_of_keywords(arguments: dict[str, Any], surface: PreparedSurface | None) -> Scene:
+    """Return the validated scene for arguments of `hpc_gfmd.solve` (None: not given): an ArrayScene
+    unless the surface knows its table [surface].
     """
-    require_keywords(named, further)
-    if named.get("fields") is None:
-        named = named | {"fields": FIELDS}
-    tables: dict[str, dict[str, Any]] = {"load": {}} | _tables(named | further)
+    if arguments.get("fields") is None:
+        arguments = arguments | {"fields": FIELDS}
+    tables: dict[str, dict[str, Any]] = {"load": {}} | _tables(arguments)
     if surface is None:
         return ArrayScene.from_dict(tables, CALLER)
     settings = tables.pop("surface", {})
@@ -113,7 +101,7 @@ def scene_of_keywords(
             f" prepare_surface or make_surface(..., {key}=...)"
         )
     if surface.table is not None:
-        if further.get("low_memory"):
+        if arguments.get("low_memory"):
             raise SceneError(f"{CALLER}: {HEIGHTS_IN_MEMORY}")
         return Scene.from_dict(tables | {"surface": surface.table}, CALLER)
     sizes = [f"{size!r} m" if surface.unit else size for size in map(float, surface.sizes)]

@@ -94,10 +94,8 @@ class Sampler:
     ) -> tuple[Scene, Surfaces]:
         """Return a scene of heights in memory, and what makes their surface."""
         accuracy = {"accuracy": self.accuracy} if "residual" not in keys else {}
-        further = accuracy | dict(keys)
-        named = {name: further.pop(name, None) for name in ("nu", "boundary")}
-        named = {"pressure": pressure, "nu1": named["nu"], "boundary": named["boundary"]}
-        scene, wall = scene_of(self.comm, heights, named, further)
+        arguments = {"pressure": pressure} | accuracy | dict(keys)
+        scene, wall = scene_of(self.comm, heights, arguments)
         return scene, surfaces_of(self.comm, scene, wall)
 
     def __call__(self, pressures: Pressures) -> list[Steps]:

@@ -175,7 +175,7 @@ def solve(
     >>> for solution in hpc_gfmd.solve(wall, p_star=[0.01, 0.1]):
     ...     print(solution.a_r, solution.pressure.max())
     """
-    keywords = {
+    arguments = {
         "pressure": pressure,
         "p_star": p_star,
         "gap_mean": gap_mean,
@@ -190,7 +190,7 @@ def solve(
         "history": history,
         "relaxation": relaxation,
         "time": time,
-        "nu1": nu,
+        "nu": nu,
         "thickness": thickness,
         "base": base,
         "boundary": boundary,
@@ -199,15 +199,16 @@ def solve(
         "observables": observables,
         "distributions": distributions,
         "threads": threads,
+        **more,
     }
     comm = comm_of(comm)
-    several = several_loads(keywords)
+    several = several_loads(arguments)
     if is_scene(heights):
-        scene = changed(comm, heights, keywords, more)
+        scene = changed(comm, heights, arguments)
         surfaces = surfaces_of_scene(comm, scene)
         several = several is not False
     else:
-        scene, wall = scene_of(comm, heights, keywords, more)
+        scene, wall = scene_of(comm, heights, arguments)
         surfaces = surfaces_of(comm, scene, wall)
     if pull_off_error is not None:
         require_pull(scene, pull_off_error, bool(several))
