@@ -14,7 +14,8 @@ is the preconditioner of operators/multilevel.py.
 This s is never too small. How much too large it may be follows from the residual R = D e - mu K e:
 there is an eigenvalue within |R|_S/|e|_K of mu; before convergence twice this uncertainty counts.
 If single points are soft there may be modes of few points, of which the first e hardly has a part:
-then the search makes some steps more. Under a dead load the least stable mode moves the body as a
+then the search makes some steps more. That of the softest point alone, s <= 1 - D/K of a point, is
+tried if the search ends above it. Under a dead load the least stable mode moves the body as a
 whole. A spring holds that mode, and one that breaks the symmetry of the wall may be less stable: in
 a search that is not to end early the first e is then made of scattered numbers, or all steps would
 keep the symmetry.
@@ -188,6 +189,7 @@ class _Search:
         fewest = FEWEST if self.softness > SOFT else 1
         fewest_held = FEWEST_HELD if is_held else 1
         rounding = float(np.finfo(self.dtype).eps)
+        of_a_point = 1 - self.softness + LEAST
         s, lowest = np.nan, -np.inf
         for step in range(1, STEPS + 1):
             before = s
@@ -198,16 +200,16 @@ class _Search:
             missing = self._precondition()  # <R, M R>; <e, K e> is 1
             doubt = np.sqrt(max(missing, 0.0))
             lowest = s - 2 * doubt
-            if s < too_little or not doubt > rounding:
+            ends = s < too_little or not doubt > rounding
+            if not ends and step >= fewest_held:
+                ends = lowest > enough and step >= fewest
+                if not ends and abs(s - before) < tolerance * max(abs(s), LEAST):
+                    lowest = max(s - doubt, s / 2)
+                    ends = True
+            if ends and s <= of_a_point:
                 break
-            if step < fewest_held:
-                pass
-            elif lowest > enough and step >= fewest:
-                break
-            elif abs(s - before) < tolerance * max(abs(s), LEAST):
-                lowest = max(s - doubt, s / 2)
-                break
-            V[1] = self.z[1:-1]
+            V[1] = self._softest() if ends else self.z[1:-1]
+            of_a_point = np.inf if ends else of_a_point  # it is tried once
             self._normalise(V[1])
             self._apply(V[1], KV[1])
             directions = min(directions + 1, 3)
@@ -215,6 +217,17 @@ class _Search:
             lowest = max(lowest, DOUBTED * s)
         upward = self.grid.comm.sum([V[0].sum(dtype=float)])[0] >= 0
         return Stability(s, min(lowest, s), V[0] if upward else -V[0], self.elastic.pairs)
+
+    def _softest(self) -> np.ndarray:
+        """Return 1 at one point of the largest D on any rank, else 0. Collective."""
+        comm = self.grid.comm
+        here = float(self.D.max(initial=0.0))
+        (largest,) = comm.max([here])
+        (first,) = comm.max([-comm.rank if here == largest else -np.inf])
+        field = np.zeros_like(self.D)
+        if -comm.rank == first:
+            field.flat[self.D.argmax()] = 1
+        return field
 
     def _apply(self, field: np.ndarray, out: np.ndarray) -> None:
         """Set out = K field on open points, 0 in contact, by one FFT pair. Collective."""
