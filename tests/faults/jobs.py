@@ -166,14 +166,17 @@ def run(words, ranks=None, cwd=None, **settings):
 LOADS = [round(0.02 * 1.2**i, 6) for i in range(5)]
 
 
-def write_scene(folder=Path(), lam=32, loads=LOADS, residual=1e-8):
-    """Write scene.toml of a sweep and return the path of its result."""
+def write_scene(folder=Path(), lam=32, loads=LOADS, residual=1e-8, hardness=None):
+    """Write scene.toml of a sweep, with a hardness of a history, and return the path of its
+    result."""
+    dents = {"material": {"hardness": hardness}} if hardness else {}
     (folder / "scene.toml").write_text(
         scene_text(
             (2, lam, 2),
-            load={"p_star": list(loads)},
+            load={"p_star": list(loads), "history": hardness is not None},
             solver={"residual": residual, "precision": "double"},
-            output={"path": "out.h5", "fields": ["gap"]},
+            output={"path": "out.h5", "fields": ["gap", "dent"] if hardness else ["gap"]},
+            **dents,
         )
     )
     return folder / "out.h5"

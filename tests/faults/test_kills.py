@@ -10,6 +10,7 @@ import pytest
 from faults.jobs import Job, assert_resumes, needs_mpi, write_scene
 
 from hpc_gfmd.output.folder import has_begun, partial_folder
+from hpc_gfmd.output.record import MEMORY
 
 pytestmark = needs_mpi
 RANKS = 2
@@ -49,6 +50,27 @@ def test_held(undisturbed, where, target):
     assert job.code != 0
     Path("held").unlink()
     assert_resumes(path, undisturbed(RANKS), RANKS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [(None, RANKS), (RANKS, None)])
+def test_a_history(tmp_path, undisturbed, ranks):
+    """Killed at its begin, and soon after each load has left its dents; resumed on another number
+    of ranks."""
+    settings = {"loads": [0.05, 0.3, 0.1, 0.02, 0.25], "hardness": 0.6}
+    dice = random.Random(2)
+    for moment in range(6):
+        folder = tmp_path / str(moment)
+        folder.mkdir()
+        path = write_scene(folder, **settings)
+        left = partial_folder(path) / MEMORY.format(moment - 1)
+        happened = left.exists if moment else partial(has_begun, partial_folder(path))
+        job = Job("run scene.toml -q", ranks[0], folder)
+        if job.wait_for(happened):
+            time.sleep(dice.choice((0.0, 0.0, 0.02)))
+        job.kill(signal.SIGKILL, *job.ranks())
+        job.end()
+        assert_resumes(path, undisturbed(ranks[0], **settings), ranks[1])
 
 
 @pytest.mark.slow
