@@ -40,7 +40,8 @@ class Held(Target):
     met.
 
     tolerance: relative to `unit`, |target|, for an approach at least the range. `touches`: bodies
-    touch at the mean gap; `gap_at_start`: until it is met; `note`: JUMPS once the search gave up.
+    touch at the mean gap; `gap_at_start`: until it is met; `note`: JUMPS from a jump past the
+    target on, until it is met.
     """
 
     is_sought = True
@@ -98,7 +99,10 @@ class Held(Target):
         self.p0 = solver.p0
         error = certificate.errors[1] * certificate.gap_mean / self.unit
         room = max(self.tolerance - error, 0.1 * self.tolerance)
-        return abs(self._value(certificate) - self.target) / self.unit / room
+        missed = abs(self._value(certificate) - self.target) / self.unit / room
+        if missed < 1:
+            self.note = None
+        return missed
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Move the end of the spring by a secant, with a stiffer one after a jump past the target;
@@ -141,6 +145,7 @@ class Held(Target):
         """Begin again at the gap of the start with a stiffer spring and its mean pressure, by an
         FFT pair; False after MOST_TRIALS.
         """
+        self.note = JUMPS
         self._before = None  # solutions with another spring say nothing of this one
         self._stiffness *= STIFFER
         gap = self.gap_at_start
