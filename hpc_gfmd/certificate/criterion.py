@@ -24,8 +24,8 @@ class StoppingCriterion:
     residual: float | None = None
     max_iterations: int = 100_000  # of one load
     certificate_dtype: DTypeLike = np.float64
-    duality: bool = False
-    in_turn: bool = False  # the solver frees transforms and last step meanwhile
+    duality: bool = False  # whether certificates have the duality gap, for half an FFT pair more
+    in_turn: bool = False  # whether the solver frees transforms and last step during a certificate
     # The smallest load that closes the gap is sought: points that are about to open then do not
     # count as errors of area and gap.
     closes: bool = False

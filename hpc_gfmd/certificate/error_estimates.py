@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 OF_PRESSURE = 0.7
 # Factor on the bound of the mean gap's error, for the unknown part of p* (in theory <= 0.5).
 UNKNOWN = 0.5
-LONG_WAVES = 1.2  # their S over the sum over levels that stands for it
+LONG_WAVES = 1.2  # S of long waves over the sum over levels that stands for it
 # Effect of an error of S on the mean gap, over that of an equal relative error of the load, all
 # points counted as open; the largest seen was 0.04.
 AS_LOAD = 0.05

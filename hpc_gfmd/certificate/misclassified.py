@@ -1,8 +1,8 @@
-"""How many points may be in the wrong set, in contact or out of it.
+"""How many points may be in the wrong set, in contact or out of it: the error of the area.
 
 This cannot be bounded: on an ordered wall a whole ring of points may change sides. It is estimated
-from the pressure's error, the number of points over which it is spread, and the change of pressure
-that moves each point to the other side.
+from the pressure's error, which (9) in docs/method.md bounds, the number of points over which it is
+spread, and the change of pressure that moves each point to the other side.
 """
 
 from __future__ import annotations

@@ -1,4 +1,9 @@
-"""The only loop: iterate a solver until its load is solved or has to end, and certify that."""
+"""The only loop: iterate a solver until its load is solved or has to end, and certify that.
+
+After every step the target may change the mean pressure. Once the errors that the solver estimates
+meet the criterion, a certificate is computed, which accepts the state or sends the solver on from
+it. A load also ends if it makes no progress any more (`Limits`), is interrupted, or separates.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +38,7 @@ LOOK_AGAIN_AFTER = 10  # or number of iterations
 # By how much the errors are expected to decrease in a step that is made together with a
 # certificate: to 0.2 to 0.5. Measured on 394 loads: about 2 % more pairs at 2
 AHEAD = 3.0
-WAITS = 3  # looks at a saddle after which the solver is kicked away from it
+WAITS = 3  # looks at a saddle per kick away from it: the solver may leave by itself
 AVALANCHE = 0.01  # relative change of the points in contact that is progress, with attraction
 # factor on the patience with an attraction: on the way from a saddle errors rise for a while
 WITH_ATTRACTION = 2.5

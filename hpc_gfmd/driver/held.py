@@ -1,4 +1,5 @@
-"""With an attraction: how a spring holds a mean gap or an approach.
+"""With an attraction: how a spring holds a mean gap or an approach ("Attraction" in
+docs/method.md).
 
 Under a dead load the bodies jump where gap and load decrease together. With a spring of stiffness k
 (operators/problem.py) such states are stable if k exceeds dp0/dgap there. What is certified is the
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 # take 192, 155, 135, 109 and 125 pairs at 1, 4, 8, 16 and 32, but where several equilibria have the
 # gap a stiffer spring may hold another one.
 STIFF = 8.0
+# Chosen; they cost or save pairs only, but for a search that needs more than MOST_TRIALS.
 STIFFER = 4.0  # factor on k where the contact jumps past the target
 HALVED = 0.5  # a smaller share of the miss before, on the other side, is no jump
 MOST_TRIALS = 25  # positions of the end of the spring
@@ -36,12 +38,13 @@ JUMPS = "the contact jumps past the prescribed value: no equilibrium was found t
 
 
 class Held(Target):
-    """Moves the end of a spring until a mean gap or an approach (`quantity`, program's unit) is
-    met.
+    """Holds the bodies by a spring, and moves its end until a mean gap or an approach is met.
 
-    tolerance: relative to `unit`, |target|, for an approach at least the range. `touches`: bodies
-    touch at the mean gap; `gap_at_start`: until it is met; `note`: JUMPS from a jump past the
-    target on, until it is met.
+    quantity: "gap_mean" or "approach"; target: its value in the program's unit. tolerance: of the
+    miss over `unit`, which is |target|, but for an approach at least the range of the attraction.
+    gap_at_touch: mean gap of undeformed bodies at touch; `touches`: whether the target is below.
+    gap_at_start: where the solver starts, and starts again with a stiffer spring (local slab).
+    `note`: JUMPS from a jump past the target on, until it is met.
     """
 
     is_sought = True

@@ -1,5 +1,8 @@
-"""Loads that follow from each other: the wall changes by what the loads before have left
-(memory.py); on it a load is an elastic contact like any other.
+"""Loads that follow from each other: bodies that relax, dents that stay.
+
+What the loads before have left (memory.py) changes the initial gap and the modulus; with these a
+load is an elastic contact like any other. The errors of earlier loads make the changed gap
+uncertain (inherited.py), and count towards the errors of later ones.
 """
 
 from __future__ import annotations
@@ -50,8 +53,11 @@ def _shares(loads: Sequence[Load]) -> list[float]:
 
 
 class History:
-    """Solves loads with a memory in place of a Sweep, each anew, as the wall has changed. elements:
-    share and time of each that relaxes; `memory`: what loads have left.
+    """Solves loads on a wall that earlier loads have changed; takes the place of a Sweep.
+
+    Each load has a new Sweep, with the surface, model and settings of `sweep` but for what has
+    changed. elements: (share, time) of each part of the modulus that relaxes; keeps_dents: whether
+    dents stay. `memory`: what the loads so far have left; `inherited`: the errors of that.
     """
 
     def __init__(self, sweep: Sweep, elements: Sequence[Element] = (), keeps_dents: bool = False):

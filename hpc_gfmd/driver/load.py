@@ -1,4 +1,8 @@
-"""One load of a sweep, from the scene to the solver."""
+"""One load of a sweep, from the scene to the solver.
+
+A Load says what is prescribed, in the units of the scene; its Target (target.py), which the sweep
+makes when the load's turn comes, has or finds the mean pressure in the program's unit.
+"""
 
 from __future__ import annotations
 

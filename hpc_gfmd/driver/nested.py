@@ -1,4 +1,5 @@
-"""Nested iteration (cascadic multigrid): solve decimated grids roughly first, and interpolate.
+"""Nested iteration (cascadic multigrid): solve decimated grids roughly first, and interpolate;
+"Nested iteration" in docs/method.md.
 
 The displacement is then corrected for the finer grid's own heights without an FFT
 (kernels/prolong.py), which saves one or two iterations.
@@ -84,8 +85,9 @@ class Candidate(NamedTuple):
 class Nested:
     """All coarser grids of a grid, with their transforms. Collective.
 
-    finer: number of finer grids. `step` leads to the next coarser one, `coarser` (None without rows
-    of it on this rank); `reduction`: of the residual there.
+    finer: how many finer grids there are. `step`: to the next coarser grid, None on the coarsest;
+    `coarser`: the Nested of that grid, None on ranks without rows of it; `reduction`: factor by
+    which the residual is reduced on it.
     """
 
     def __init__(self, grid: Grid, dtype: DTypeLike, finer: int = 0):

@@ -1,4 +1,9 @@
-"""When single precision suffices, and when the certificate must be in double precision."""
+"""When single precision suffices, and when the certificate must be in double precision.
+
+Rounding errors of the heights, of the transforms, and of points that single precision cannot tell
+apart are compared with the accuracy asked for. Before anything is solved `precisions` forecasts
+the precision of each load; `plan` and the forecast of memory use it.
+"""
 
 from __future__ import annotations
 

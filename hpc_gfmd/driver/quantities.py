@@ -1,4 +1,10 @@
-"""The quantities that a load may prescribe: value, and what makes it straight (root.py)."""
+"""The quantities whose load the root-finder (root.py) finds: mean gap, approach, contact area.
+
+Each is its value, predicted by the solver or certified, and a function that makes it nearly linear
+in x = log p0. An area is a number of points, which may jump past the target; the change of pressure
+with which the right number of points would touch is continuous. See "Prescribed areas, gaps and
+approaches" in docs/method.md.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,9 @@
 """Where a solver starts at a load: the first gap of a list that applies.
 
-A given gap, the one kept from single precision, the load before, undeformed under tension, full
-contact, coarser grids, or undeformed again if that has far too much energy.
+The list: a given gap, the one that single precision has reached, the load before if it is close,
+the undeformed body under tension, full contact, and coarser grids (nested.py), which solve light
+contacts with free edges in a box (box.py). The undeformed body follows if that has far too much
+energy.
 """
 
 from __future__ import annotations
@@ -49,20 +51,21 @@ NEGLECTED = 0.1
 
 
 class Start(NamedTuple):
-    """A solver ready at a load, its criterion, uncounted FFT pairs, contacts on coarser grids (none
-    with an attraction), and the certificate of the gap if it may be the solution.
-    """
+    """A solver at the beginning of a load, and what led there."""
 
     solver: Solver
     criterion: StoppingCriterion
-    pairs: float
+    pairs: float  # FFT pairs of the start that the solver does not count
+    # contacts on the coarser grids of the start, finest first; none with an attraction
     coarser: Sequence[CoarseContact] = ()
-    certificate: Certificate | None = None
+    certificate: Certificate | None = None  # of the starting gap, if it may be the solution
 
 
 class Starter:
-    """Makes the solver of a surface in one precision, starts it at each load, and keeps it.
-    `solver`: at the load before, or None; kept: a gap of another precision, for the first load.
+    """Starts the solver at each load on a working surface, and keeps it for the next load.
+
+    `solver`: at the last solution; None before the first load and after `forget`. kept: the gap
+    that another precision has reached, from which the first load starts; or None.
     """
 
     def __init__(

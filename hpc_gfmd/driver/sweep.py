@@ -1,5 +1,9 @@
-"""Solve loads on one surface: start, iterate, return the contact. Single precision is tried first;
-where it fails double precision goes on from its gap, also for all later loads.
+"""Solve the loads on one surface, one after another.
+
+A load gets its target, a start (starter.py) and the iterations (drive.py), and becomes a Contact.
+Single precision is tried first if the accuracy allows it; where it fails, double precision goes on
+from its gap, also for all later loads. Some loads need another contact before their own: the full
+one, that of a flat punch, or the one without attraction.
 """
 
 from __future__ import annotations
@@ -40,11 +44,13 @@ if TYPE_CHECKING:
 
 
 class Sweep:
-    """Solves loads on one surface, each perhaps from the one before.
+    """Solves the loads on one surface, each from the solution before if that is close.
 
-    make_surface(dtype) makes the surface, collectively, again for double precision. settings: the
-    table [solver]; duality, of_result: see StoppingCriterion. `coarser`: contacts of the last load
-    on coarser grids, if it started there.
+    make_surface(dtype): makes the surface in a precision, collectively; called again if a load
+    needs double. settings: the table [solver] of a scene. duality, of_result: as in
+    StoppingCriterion. `working`, `starter`: the surface and the starts in the present precision.
+    `coarser`: the contacts on coarser grids that the last load started from, finest first; empty
+    if it started otherwise.
     """
 
     def __init__(
@@ -67,8 +73,8 @@ class Sweep:
             duality=duality,
             of_result=of_result,
         )
-        self._history: list[dict[str, float]] = []  # results of the last two loads
-        self._failed = False
+        self._history: list[dict[str, float]] = []  # of the last two loads, see _remember
+        self._failed = False  # whether the load before has no solution
         self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
         self._punch: np.ndarray | None = None  # see _flat_solution
         self.coarser: Sequence[CoarseContact] = ()
@@ -76,7 +82,9 @@ class Sweep:
         self._work_in(first_precision(settings))
 
     def _work_in(self, dtype: np.dtype, gap: np.ndarray | None = None) -> None:
-        """Make the surface in a precision, and its starter, perhaps from a gap. Collective."""
+        """Make the surface and the starter in a precision; gap: where the next load starts.
+        Collective.
+        """
         kind = LowMemorySurface if self.settings.low_memory else WorkingSurface
         self.working = kind(self.make_surface, self.model, self.settings, dtype)
         self.starter = Starter(self.working, self.criterion, gap)
@@ -206,9 +214,9 @@ class Sweep:
         gap: np.ndarray | None,
         pairs: float,
     ) -> tuple[Contact | None, float]:
-        """Solve a load in this precision, or until it needs double; return (contact or None, all
-        pairs). Collective. gap: a start; pairs: taken before. Without a contact the starter keeps
-        the gap.
+        """Solve a load in this precision; return its contact, None if it needs double, and all
+        FFT pairs. Collective. gap: where to start, or None; pairs: those taken before. Without a
+        contact the starter's solver holds the gap that was reached.
         """
         working = self.working
         load.target.measure(working)

@@ -1,4 +1,6 @@
-"""Contacts from their fields, and those without iterations: flat surfaces, separated bodies."""
+"""The Contact of a load from its fields, and those that need no iterations: flat surfaces, bodies
+that are not loaded or have come apart.
+"""
 
 from __future__ import annotations
 

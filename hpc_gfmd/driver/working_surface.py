@@ -1,4 +1,8 @@
-"""The surface in one precision, with what its contacts share: transforms and coarser grids."""
+"""The surface in one precision, with what its contacts share: transforms and coarser grids.
+
+It converts between the scene's units and the program's, makes the problem at a mean pressure, and
+knows whether this precision is enough for a load.
+"""
 
 from __future__ import annotations
 
@@ -30,8 +34,8 @@ DOUBLE = np.dtype(np.float64)
 
 class WorkingSurface:
     """A surface made by make_surface(dtype), its heights in that precision. Collective. settings:
-    the table [solver]; `saves_memory`: the solver is dropped before starts and frees transforms
-    meanwhile.
+    the table [solver]; `saves_memory`: whether the solver is dropped before a load starts, and
+    frees its transforms during a certificate in double (low_memory.py).
     """
 
     saves_memory = False

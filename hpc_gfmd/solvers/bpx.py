@@ -210,6 +210,7 @@ class Bpx(Solver):
         zKz = rho * rz
         if dKd <= 0 or rz <= 0:
             return (rz / zKz if rz > 0 else 0.0), 0.0
+        # zKd^2/(zKz dKd), a squared cosine, is below 1; the predicted zKz may break that
         if zKz * dKd - zKd * zKd < 0.1 * zKz * dKd:
             zKz = zKd * zKd / (0.9 * dKd)
         det = zKz * dKd - zKd * zKd
@@ -328,8 +329,8 @@ class Bpx(Solver):
 
     def _predicted(self, errors: Estimate) -> tuple[float, float] | None:
         """Predict contact points and mean gap of the solution, or None: the contact grows in
-        proportion until it carries the load (self.mean is missing), the gap changes by 0.62
-        `errors.shift`/N.
+        proportion until it carries the load (self.mean is missing), the gap changes by the share
+        SHIFT of `errors.shift`/N.
         """
         carried = self._p_cell_of_wall
         n = self.contact
