@@ -1,4 +1,10 @@
-"""The coarse levels that one rank sweeps alone, in one compiled call of all its threads."""
+"""The coarse levels that one rank sweeps alone, in one compiled call of all its threads.
+
+A sweep is equation (5) in docs/method.md on these levels, down to a single point: r and t are
+restricted to each, then z is made on each, coarsest first. All levels are parts of one array, and
+the sweep is a list of pieces, some rows of a level each, which threads take in turn
+(kernels/multilevel.py: sweep_levels).
+"""
 
 import time
 from collections.abc import Sequence
@@ -11,8 +17,8 @@ from ..parallel.coarsening import Level, axis_mode, axis_tables, passes_of
 from ..parallel.threads import PIECE_POINTS, on_threads, piece_rows, threads_for
 from ..util.aligned import empty_aligned, zeros_aligned
 
-# Of a level by the contact on it, over its stiffness. Measured on self-affine walls of n = 512 and
-# 1024: within 2 % of the fewest pairs from 2.5 to 3, 5 % more at 4
+# c in (5): how much contact stiffens a level. Measured on self-affine walls of n = 512 and 1024:
+# within 2 % of the fewest pairs from 2.5 to 3, 5 % more at 4
 DAMPING = 3.0
 # A sweep over coarse levels has less to do than a pass over the grid: smaller pieces share it out.
 PIECES = 8  # of a sweep, in a piece of a pass
@@ -24,9 +30,11 @@ PAUSE = 1e-5  # seconds
 class LevelTables:
     """What `sweep_levels` (kernels/multilevel.py) needs of consecutive levels besides memory.
 
-    The first level has `fields` fields (r, t, perhaps x), others r and t. `nominal`: (s_x, s_y) of
-    each level, default 1; `size`: numbers for all fields, the last `zeros` a level of zeros;
-    `restricted`: pieces that restrict.
+    weights, softness: of each level, as of Body. fields: 2 (r, t) or 3 (and x) on the first level;
+    the others have 2. nominal: the factors (s_x, s_y) of the surface's indicator on each level,
+    default 1. `size`: how many numbers the fields of all levels take; the last `zeros` of them are
+    a level of zeros below the coarsest. `pieces`: see `_pieces_of`; the first `restricted` of them
+    restrict.
     """
 
     def __init__(
@@ -101,9 +109,10 @@ def _pieces_of(
 class CoarsestLevels:
     """Consecutive levels, down to a single point, that one rank sweeps alone, with their memory.
 
-    The caller writes r, t, perhaps x between halo rows of `fields` before each sweep, which
-    replaces r by z, also there, and sets the gap mode `mode` of `mode_level` (or empty). `looks`:
-    how often threads waited in vain.
+    Before a sweep the caller writes r, t, perhaps x to `fields`, those of the first level, between
+    halo rows; the sweep replaces r by z, also in the halo rows. `mode`: the gap mode
+    (deflation.py), flat, on level `mode_level`; empty without one. `looks`: how often the threads
+    of the last sweep looked in vain for a piece to do.
     """
 
     def __init__(self, tables: LevelTables, threads: int = 1):

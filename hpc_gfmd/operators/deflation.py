@@ -25,7 +25,7 @@ from ..parallel.wisdom import planned
 from .coarsest import DAMPING, CoarsestLevels, LevelTables
 from .elastic import reader
 
-# Chosen by FFT pairs at small loads.
+# Chosen by FFT pairs at small loads: they cost or save pairs only.
 STEPS = 3  # of conjugate gradients at most
 # The steps end once <r, M r> is below this, relative to its first value: one step is enough where
 # contact is the same everywhere.

@@ -1,4 +1,4 @@
-"""The levels below a grid: rows of each rank, what ranks send, weights; no field is stored here.
+"""The levels of the preconditioner, (5) in docs/method.md: rows of each rank, what ranks send.
 
 Every rank restricts its rows through several levels first: its windows hold its parts of sums over
 ranks. Then shared rows are added up, in one message to a neighbour, and each interpolates from its
@@ -20,9 +20,9 @@ from .coarsest import LevelTables
 from .deflation import GapMode, level_of_mode
 from .nominal import NominalArea
 
-# Of several ranks: levels of at most so many points each of them has alone,
+# Chosen: levels of at most so many points are not shared by ranks, each sweeps them alone,
 COARSEST_POINTS = 64 * 64
-# and of at most so many where their rows would have to be gathered otherwise.
+# nor those of at most so many of which a rank would have less than FEWEST_ROWS.
 UNGATHERED_POINTS = 128 * 128
 FEWEST_ROWS = 2  # of a level on one rank: with fewer, windows reach beyond neighbours
 GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
@@ -30,16 +30,17 @@ GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
 
 @dataclass(frozen=True)
 class Step:
-    """One rank's step to the next coarser level. `counted` (ranks + 1,): first fine row that each
-    rank counts; `windows`: to the ranks where rows are gathered, or None; `starts` (ranks + 1,):
-    coarse rows after that.
+    """One rank's step from a level to the next coarser one, which has fewer rows and perhaps fewer
+    ranks.
     """
 
-    transfer: Transfer
+    transfer: Transfer  # of its fine rows to its window of coarse rows
+    # (ranks + 1,): first fine row that each rank counts in sums, and their number; the rows of
+    # neighbours may overlap
     counted: np.ndarray
-    fields: int
-    windows: Windows | None
-    starts: np.ndarray
+    fields: int  # of the coarse level: r, t, and on level 1 also K d
+    windows: Windows | None  # sends window rows to the ranks that gather them; None: all go on
+    starts: np.ndarray  # (ranks + 1,): first coarse row with which each rank goes on
 
     @property
     def window_rows(self) -> int:
@@ -130,8 +131,10 @@ def steps_of(
 
 class Hierarchy:
     """What a sweep needs besides memory, shared by sweeps of one grid, body and precision.
-    `weights`: stiffness of levels; `softness`: of S; `area`: nominal area; `nominal`: its factors,
-    for rows restricted here.
+
+    `steps`: between the levels that ranks share; `levels`: all, finest first. `weights`: stiffness
+    of each; `softness`: what each adds to S; `area`: the nominal area on each; `nominal`: its
+    factors on this rank's rows of the shared levels.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None):

@@ -48,10 +48,13 @@ class Multilevel:
     t, 1 in contact, and (the first two) K d of the last step. `sweep` makes z = M r and overwrites
     r. Making a Multilevel is collective.
 
-    `fields`: this rank's windows of levels 1, 2, ..., parts of sums over ranks; `owned`: rows that
-    it goes on with, the same arrays where not gathered. `distributed` levels are shared;
-    `coarsest`: others, or None; `last_comm`: the ranks that have it. `ends`: first row and end of
-    the solver's passes of at most `longest` rows; `scratch`: of each thread.
+    - `distributed`: how many levels below the grid are shared by ranks; `coarsest` sweeps the
+      levels below these, None on ranks that have no part in them; `last_comm`: the ranks that do.
+    - `fields[k]`: this rank's window of level k + 1, (fields, rows + 2, m), whose rows are parts
+      of sums until `_gather` adds those of neighbours; `owned[k]`: the rows that this rank goes on
+      with, the same array where none are gathered; `steps[k]` leads there from level k.
+    - `ends` (passes, 2): the rows i0 <= i < i1 of each pass of the solver, at most `longest`;
+      `scratch`: of each thread.
     """
 
     def __init__(

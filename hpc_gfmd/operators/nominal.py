@@ -1,5 +1,7 @@
-"""The indicator s of the nominal area on the levels of a grid, and sums with it: a product of two
-functions of one coordinate.
+"""The indicator s of the nominal area on the levels of a grid, and sums with it.
+
+s is 1 on the surface and 0 in the padding beyond free edges: a product of two functions of one
+coordinate. The error of a mean gap (certificate/error_estimates.py) needs its norm on all levels.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,7 +14,7 @@ from ..parallel.coarsening import Level, restrict_axis
 
 
 class NominalArea:
-    """Norm and sums of s, the product of the factors in `s`; `weights`: softness N/N_l."""
+    """Norm and sums of s. `s`: its factors (s_x, s_y) on each level; `weights`: softness N/N_l."""
 
     def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float]):
         self.weights = [

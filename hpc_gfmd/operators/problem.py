@@ -1,4 +1,4 @@
-"""What is asked at one load, in the program's own units.
+"""What is asked at one load, in the program's own units: equations (1) and (2) in docs/method.md.
 
 Units: in-plane length a = sqrt(a_x a_y), height g_rms a, pressure E* g_rms. Everything is then of
 order one whatever the scene's units, and p0 is p*:

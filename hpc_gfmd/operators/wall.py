@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 # A step is made shorter only below this: clipped points stay a little open then. Measured: alike
 # from .9 to .95, 6 to 7 % more pairs at .8 and at 1
 SHORT = 0.9
-SETTLED = 1e-3  # distance to where a spring holds separated bodies at rest, in ranges of the law
+# Distance to where a spring holds separated bodies at rest, in ranges of the law, below which they
+# have come apart for good. Chosen.
+SETTLED = 1e-3
 
 
 class Wall:

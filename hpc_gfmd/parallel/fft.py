@@ -126,7 +126,7 @@ class SlabFFT(Layout):
             np.stack([self.starts[ranks], self.starts[ranks + 1]], axis=1)
             for ranks in (self.node_ranks, np.flatnonzero(self.far))
         )
-        first_columns = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
+        first_columns = self.edges[:-1].reshape(self.blocks_per_rank, self.size)[:, self.rank]
         near_begins = self._offsets + np.diff(near_rows)[:, 0] * first_columns[:, None]
         far_begins = np.outer(self._own_widths, far_rows[:, 0])
         return [
@@ -191,7 +191,7 @@ class SlabFFT(Layout):
         columns; return its results. Collective. Without `forward` blocks are zeros, without
         `backward` they are lost.
         """
-        results: list[Any] = [None] * self.K
+        results: list[Any] = [None] * self.blocks_per_rank
 
         def work(k0: int, k1: int, columns: tuple) -> None:
             block = columns[0].view(self.blocks.dtype)
@@ -217,7 +217,7 @@ class SlabFFT(Layout):
         mean of u. factors: as of kernels/spectral.py: multiply_blocks; without `backward` `blocks`
         keeps the spectra.
         """
-        sums = np.zeros((self.K, 2))
+        sums = np.zeros((self.blocks_per_rank, 2))
 
         def multiply(parts: np.ndarray, turns: np.ndarray, columns: tuple) -> None:
             numbers = columns[0].view(self.dtype)
@@ -230,7 +230,7 @@ class SlabFFT(Layout):
             self._on_blocks(work, True, backward)
         else:
             self.comm.node.barrier()  # all rows of the node are there
-            blocks = Shares(self.K, self.threads)
+            blocks = Shares(self.blocks_per_rank, self.threads)
             blocks.on_threads(partial(multiply, blocks.parts, blocks.turns), self._columns)
             self.comm.node.barrier()  # all columns are back
         return sum(sums[:, 0].tolist()), float(sums[0, 1]) * self.scale * (self.rank == 0)
@@ -243,15 +243,17 @@ class SlabFFT(Layout):
         """
         self.comm.node.barrier()  # all rows of the node are there
         if self.far.any():
-            for k0 in range(0, self.K, self.threads):
-                group = range(k0, min(k0 + self.threads, self.K))
+            for k0 in range(0, self.blocks_per_rank, self.threads):
+                group = range(k0, min(k0 + self.threads, self.blocks_per_rank))
                 if forward:
                     self._exchange(group, back=False)
                 on_threads(self.threads, work, [(k, k + 1, self._columns[k - k0]) for k in group])
                 if backward:
                     self._exchange(group, back=True)
         else:
-            on_threads(self.threads, work, shares(self.K, self.threads), self._columns)
+            on_threads(
+                self.threads, work, shares(self.blocks_per_rank, self.threads), self._columns
+            )
         self.comm.node.barrier()  # all columns are back
 
     def _exchange(self, group: range, back: bool) -> None:

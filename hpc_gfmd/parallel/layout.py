@@ -1,4 +1,9 @@
-"""Rows and columns of each rank, and what ranks have to send each other: for fft.py."""
+"""Rows and columns of each rank, and what ranks have to send each other: for fft.py.
+
+A rank has a slab of rows of the real field and, of the half spectrum, blocks of columns, dealt out
+to the ranks in turn. Rows are transformed a pass at a time, columns a block at a time, both of a
+size that the second-level cache holds.
+"""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -22,9 +27,14 @@ def row_starts(n_x: int, size: int) -> np.ndarray:
 class Layout:
     """The rows of a field and the columns of its half spectrum that each rank has; sends nothing.
 
-    `node_ranks` share memory with this one, itself among them; `far` do not. A rank has n_loc rows
-    and K blocks of columns; block k size + r is rank r's. `edges`: first columns of all blocks, and
-    n_c; W: the widest block; R rows are transformed at a time.
+    - n: points along x and y; starts: first row of every rank, and n_x. `n_loc`: rows of this rank;
+      `R`: how many of them a pass transforms.
+    - `n_c`: columns of the half spectrum; `edges`: first column of every block, and n_c. Block
+      k size + r is block k of rank r; `block_widths` (blocks_per_rank, size): columns of each; `W`:
+      of the widest.
+    - node_ranks: the ranks that share memory with this one, itself among them; `far` (size,): the
+      ranks that do not, which have to be sent their parts.
+    - itemsize: bytes of a complex number.
     """
 
     def __init__(
@@ -43,8 +53,8 @@ class Layout:
         self.n_c = n[1] // 2 + 1
         self.n_loc = int(self.starts[rank + 1] - self.starts[rank])
         self.edges = self._edges()
-        self.K = (len(self.edges) - 1) // self.size
-        self.block_widths = np.diff(self.edges).reshape(self.K, self.size)
+        self.blocks_per_rank = (len(self.edges) - 1) // self.size
+        self.block_widths = np.diff(self.edges).reshape(self.blocks_per_rank, self.size)
         self.W = int(self.block_widths.max())
         self.R = self._rows_per_pass()
         self.node_ranks = np.array([rank] if node_ranks is None else node_ranks)
@@ -58,15 +68,16 @@ class Layout:
         """
         wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
         if self.size > 1:
-            K = max(1, round(self.n_c / self.size / wanted))
-            edges = row_starts(self.n_c, K * self.size)
+            blocks = self.size * max(1, round(self.n_c / self.size / wanted))
+            edges = row_starts(self.n_c, blocks)
             # q = 0 is in block 0
-            return edges if self.n_c < K * self.size else self.n_c - edges[::-1]
-        K = -(-self.n_c // wanted)
-        W = -(-self.n_c // K)
-        if K > 1:
-            W = -(-W // (64 // self.itemsize)) * (64 // self.itemsize)
-        return np.append(np.arange(0, self.n_c, W), self.n_c)
+            return edges if self.n_c < blocks else self.n_c - edges[::-1]
+        blocks = -(-self.n_c // wanted)
+        width = -(-self.n_c // blocks)
+        if blocks > 1:
+            line = 64 // self.itemsize  # complex numbers in a cache line
+            width = -(-width // line) * line
+        return np.append(np.arange(0, self.n_c, width), self.n_c)
 
     def _rows_per_pass(self) -> int:
         """Return how many rows to transform at a time to fit the cache, equal on all ranks."""

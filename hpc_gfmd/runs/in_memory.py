@@ -247,13 +247,13 @@ def solve_loads(
     """
     start_time = datetime.now(UTC).isoformat(timespec="seconds")
     begun = time.monotonic()
-    say = Reporter(comm, scene.solver, not progress, progress, bar_stream())
+    reporter = Reporter(comm, scene.solver, not progress, progress, bar_stream())
     steps: list[dict] = []
     contacts: list[Contact | None] = []
     interrupted = False
     try:
         with kernels_ready(comm, scene):
-            run = Run(scene, surfaces, say)
+            run = Run(scene, surfaces, reporter)
             rows = run.surface.rows
             setup_seconds = time.monotonic() - begun
             pull_off = None if pull_off_error is None else PullOff(run, pull_off_error)

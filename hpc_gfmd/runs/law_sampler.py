@@ -109,9 +109,9 @@ class Sampler:
         tables["output"] = {"observables": self.observables}
         scene = type(scene).from_dict(tables)
         check(scene)
-        say = Reporter(self.comm, scene.solver, not self.progress)
+        reporter = Reporter(self.comm, scene.solver, not self.progress)
         with kernels_ready(self.comm, scene):
-            run = Run(scene, surfaces, say)
+            run = Run(scene, surfaces, reporter)
             self.surface = self.surface or run.attributes
             if k not in self.gaps:
                 self.gaps[k] = self._gap_at_touch(run.surface)

@@ -1,4 +1,9 @@
-"""From a scene to its solved loads and their attributes."""
+"""From a scene to its solved loads and their attributes, the same for files, memory and laws.
+
+`check` refuses what the scene's own fields cannot, `sweep_of` makes the sweep that the tables of a
+scene describe, `Run` solves its loads one after another, and `step_attributes` turns a contact into
+the numbers of the result file.
+"""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -145,7 +150,7 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
         "h_rms": surface.h_rms,
         "g_rms": surface.g_rms,
         "kind": getattr(spec, "kind", "array"),
-        "boundary": ", ".join("free" if ends else "periodic" for ends in spec.free),
+        "boundary": ", ".join("free" if is_free else "periodic" for is_free in spec.free),
         "unit": surface.unit or scene.length_unit,
         "pressure_unit": scene.pressure_unit,
         "time_unit": scene.time_unit,
@@ -178,15 +183,17 @@ UnfinishedOf = Callable[[int], tuple[Unfinished, float] | None]  # state of a lo
 
 
 class Run:
-    """The loads of a scene on its surface, which make_surface(dtype) makes; `history` is None
-    unless loads leave a memory, `attributes` are those of the surface. Collective.
+    """The loads of a scene on its surface, which make_surface(dtype) makes. Collective.
+
+    `sweep` solves them: a Sweep, or a History if loads leave a memory, which is then also
+    `history`, else None. `attributes`: of the surface, by their names in the file.
     """
 
     def __init__(
-        self, scene: Scene, make_surface: Callable[[np.dtype], Surface], say: Reporter
+        self, scene: Scene, make_surface: Callable[[np.dtype], Surface], reporter: Reporter
     ) -> None:
         self.scene = scene
-        self.say = say
+        self.reporter = reporter
         sweep = sweep_of(scene, make_surface)
         self.history = history_of(scene, sweep)
         self.sweep = self.history or sweep
@@ -253,11 +260,11 @@ class Run:
         seconds_before: float = 0.0,
     ) -> SolvedLoad:
         begun = time.monotonic() - seconds_before
-        self.say.step(index, len(self.loads), *self._shown_target(index))
+        self.reporter.step(index, len(self.loads), *self._shown_target(index))
         try:
             contact = self.sweep.solve(self.loads[index], self._watch(stops), unfinished)
         finally:
-            self.say.done()
+            self.reporter.done()
         seconds = time.monotonic() - begun
         is_stopped = contact.status == "interrupted"
         numbers = {} if is_stopped else step_attributes(self.scene, index, contact, seconds)
@@ -265,14 +272,15 @@ class Run:
 
     def show(self, steps: dict[int, dict]) -> None:
         """Print the table rows of finished loads, by their numbers."""
-        if steps and not self.say.silent:  # a row takes longer than an iteration of a small contact
-            self.say.say(self.table.add(steps))
+        # a row takes longer than an iteration of a small contact
+        if steps and not self.reporter.silent:
+            self.reporter.say(self.table.add(steps))
 
     def _watch(self, stops: Watch) -> Callable[[int, Progress], bool]:
         """Return what the solver calls after every iteration."""
 
         def watch(iterations: int, progress: Progress) -> bool:
-            self.say.watch(iterations, progress)
+            self.reporter.watch(iterations, progress)
             return stops()
 
         return watch

@@ -1,4 +1,9 @@
-"""Run of a scene with files: each load is written when it is finished; a stopped run can go on."""
+"""Run a scene with files: the way from a command or a script to a result file.
+
+`run_scene` reads the scene, listens for signals and opens the result file. A `_Recorder` compiles
+the kernels, makes surface and loads (loads.py: Run), and writes each load when it is finished. A
+stopped run goes on later with the loads that are missing, from the gap of the one that was begun.
+"""
 
 import json
 import time
@@ -91,7 +96,7 @@ def run_scene(
     surfaces = surfaces_of_scene(comm, scene)
     threads = surfaces.threads
     n, sizes = surfaces.size
-    say = Reporter(comm, scene.solver, quiet)
+    reporter = Reporter(comm, scene.solver, quiet)
     grid = grid_of(n, sizes, comm, free=scene.surface.free, threads=threads)
     require_memory(comm, scene, grid, threads)
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
@@ -99,8 +104,8 @@ def run_scene(
     how_to_continue = f"continue with: hpc-gfmd restart {output.path}"
 
     def announce() -> None:
-        say.done()  # the bar, on whose line the text would stand
-        say.say(f"stopping after this iteration; finished loads are kept, {how_to_continue}")
+        reporter.done()  # the bar, on whose line the text would stand
+        reporter.say(f"stopping after this iteration; finished loads are kept, {how_to_continue}")
 
     with (
         Interrupt(comm, scene.machine.wall_seconds, announce) as interrupt,
@@ -119,13 +124,13 @@ def run_scene(
     ):
         for line in [*file.notes, *scene.warnings(), oversubscription(comm, threads)]:
             if line:
-                say.say(f"note: {line}")
-        run = _Run(comm, scene, surfaces, file, say, interrupt)
+                reporter.say(f"note: {line}")
+        recorder = _Recorder(comm, scene, surfaces, file, reporter, interrupt)
         exit_code = None
         try:
-            status = run.all_loads(run.prepare(begun))
+            status = recorder.all_loads(recorder.prepare(begun))
         except Stopped:
-            say.say(f"stopped: {run.progress_text()}; {how_to_continue}")
+            reporter.say(f"stopped: {recorder.progress_text()}; {how_to_continue}")
             status = "interrupted"
             exit_code = interrupt.exit_code
     steps = [*file.finished.values()]
@@ -138,8 +143,8 @@ def run_scene(
     return Solutions(steps, make_result, status=status, path=path, exit_code=exit_code)
 
 
-class _Run:
-    """One run into a file: loads are written as they finish. `run` is None before `prepare`."""
+class _Recorder:
+    """Solves the loads of a run and writes each to its file; `run` is None before `prepare`."""
 
     def __init__(
         self,
@@ -147,14 +152,14 @@ class _Run:
         scene: Scene,
         surfaces: Surfaces,
         file: RunFile,
-        say: Reporter,
+        reporter: Reporter,
         interrupt: Interrupt,
     ) -> None:
         self.comm = comm
         self.scene = scene
         self.surfaces = surfaces
         self.file = file
-        self.say = say
+        self.reporter = reporter
         self.interrupt = interrupt
         self.run: Run | None = None
         self.unfinished = ""  # the load that was stopped before it converged, for messages
@@ -170,9 +175,11 @@ class _Run:
     def prepare(self, begun: float) -> Run:
         """Compile kernels, make surface and loads, write the head. Collective."""
         scene = self.scene
-        say = self.say
-        compile_once(self.comm, scene, partial(step_attributes, scene, 0, seconds=0.0), say.say)
-        self.run = run = Run(scene, self.surfaces, say)
+        reporter = self.reporter
+        compile_once(
+            self.comm, scene, partial(step_attributes, scene, 0, seconds=0.0), reporter.say
+        )
+        self.run = run = Run(scene, self.surfaces, reporter)
         surface = run.surface
         self._require_the_same_heights(surface)
         self._require_storable(surface, *(load.value for load in run.loads if load.is_pressure))
@@ -183,8 +190,8 @@ class _Run:
             setup_seconds=time.monotonic() - begun,
         )
         for note in run.attributes.get("notes", []):
-            say.say(f"note: {note}")
-        say.say(self._headline(run, time.monotonic() - begun))
+            reporter.say(f"note: {note}")
+        reporter.say(self._headline(run, time.monotonic() - begun))
         return run
 
     def _require_the_same_heights(self, surface: Surface) -> None:
@@ -208,7 +215,7 @@ class _Run:
         status = worst_status([*self.file.finished.values()])
         self.file.finish(status)
         for line in run.table.end():
-            self.say.say(line)
+            self.reporter.say(line)
         return status
 
     def _solve(self, run: Run, missing: list[int]) -> None:
@@ -231,6 +238,7 @@ class _Run:
                 raise Stopped(self.interrupt.agreed)
 
     def _write(self, load: SolvedLoad) -> None:
+        """Write a finished load, and what it leaves for later ones in a history. Collective."""
         contact = load.contact
         self._require_storable(contact.surface, contact.wall_pressure)
         names = self.scene.output.fields
@@ -257,7 +265,7 @@ class _Run:
             }
             history.restore(fields, stored.steps[0])
         except (GfmdError, ValueError, TypeError, KeyError) as error:
-            self.say.say(f"note: {error}; the loads before load {index + 2} are solved again")
+            self.reporter.say(f"note: {error}; the loads before load {index + 2} are solved again")
 
     def _keep_gap(self, load: SolvedLoad) -> None:
         """Write the gap of a stopped load unless it takes no time (one axis only). Collective."""
@@ -288,7 +296,7 @@ class _Run:
             coarser = [CoarseContact(*three) for three in np.reshape(numbers["coarser"], (-1, 3))]
             of_grid = GridErrors(*numbers["of_grid"]) if numbers["of_grid"] else None
         except (GfmdError, ValueError, TypeError) as error:
-            self.say.say(f"note: {error}; load {index + 1} begins anew")
+            self.reporter.say(f"note: {error}; load {index + 1} begins anew")
             return None
         unfinished = Unfinished(
             gap, numbers["p"], numbers["iterations"], numbers["fft_pairs"], coarser, of_grid

@@ -52,7 +52,7 @@ class Cells(Free):
 
 def _table(grid, fft):
     """Return K of the periodic cell: the inverse of S less what `Coupled` adds to it."""
-    out = np.zeros((fft.K, fft.W, grid.n[0] // 2 + 1), fft.dtype)
+    out = np.zeros((fft.blocks_per_rank, fft.W, grid.n[0] // 2 + 1), fft.dtype)
     cell = [k * s / grid.a for k, s in zip(grid.n, grid.spacings)]
     half = [s / grid.a / 2 for s in grid.spacings]
 

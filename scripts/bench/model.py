@@ -145,7 +145,7 @@ def _pair(share, machine):
 
     nbytes, messages = share.layout.traffic()
     transpose = nbytes * ranks_of_node / machine.link + messages * machine.overhead
-    transpose += 2 * share.layout.K * machine.latency * (messages > 0)
+    transpose += 2 * share.layout.blocks_per_rank * machine.latency * (messages > 0)
     transpose += 2 * machine.barrier * stages(ranks_of_node)
 
     level_bytes, level_messages = share.level_traffic

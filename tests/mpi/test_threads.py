@@ -82,7 +82,7 @@ def solve(comm, case, threads):
         assert step.status == "converged"
         fft = step.surface.grid.fft(step.g.dtype)
         assert len(fft.rows) == threads
-        assert min(len(fft.passes()), fft.K) > 1
+        assert min(len(fft.passes()), fft.blocks_per_rank) > 1
         numbers = {name: f(step) for name, f in all_observables().items()}
         steps.append((numbers, [field(step, name) for name in ("pressure", "gap")]))
     grids = [] if case in WITHOUT_GRIDS else sweep.working.nested().grids
