@@ -1,4 +1,5 @@
-"""With an attraction a load may have several equilibria: where it starts, and how to leave saddles.
+"""With an attraction a load may have several equilibria: where it starts, and how to leave saddles;
+equations (2) to (4) in docs/method.md.
 
 Approach comes down from larger gaps: the contact without attraction, or a smaller load before.
 Retraction comes up from the larger load before. In a cycle each load comes from the one before, on

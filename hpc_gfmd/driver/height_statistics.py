@@ -1,4 +1,8 @@
-"""Statistics of the heights that a search for a load uses before anything is solved."""
+"""Statistics of the heights that the search for a prescribed area, gap or approach uses.
+
+They tell before anything is solved how many points touch at any load, which mean gap there is at
+touch, and up to which load the highest point carries it alone.
+"""
 
 from __future__ import annotations
 

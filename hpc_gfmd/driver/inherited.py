@@ -1,4 +1,9 @@
-"""The errors that loads leave behind: the heights for the next load are not exact."""
+"""The errors that loads leave behind: the heights for the next load are not exact.
+
+The error of a load's pressure is K times that of its displacement, and so of the dents and the
+relaxation that it leaves. It is the height error of the next problem, fades as the body forgets,
+and counts in the certificate like rounding: iterations cannot reduce it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Compile the kernels of a scene on one rank, once per installation, while others wait asleep."""
+"""Compile the kernels of a scene on one rank, once per installation, while others wait asleep.
+
+A tiny contact with the body, hardness, attraction and precision of the scene calls every kernel
+that its loads will call. The other ranks then find the code in the cache (kernels/cache.py).
+"""
 
 from collections.abc import Callable
 
