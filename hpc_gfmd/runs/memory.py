@@ -33,9 +33,9 @@ DENTS = 16.0  # bytes per point for dents that stay, those before a load and aft
 RELAXING = 8.0  # for each field of a solid that relaxes: the displacement, and one an element
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
 BY_ROWS = (".npy", ".h5", ".hdf5", ".nc")  # names of files of which every rank reads its rows
-# Of a map on the process that reads or prepares it. Filling takes 130 bytes per missing point, of
-# which a quarter of the map is allowed for: how many are missing is known once it is read.
-COPIES = {"read": 2.1, "changed": 3.5, "filled": 8.0, "built": 2.1}
+# Of a map on the process that reads or prepares it, however many points are missing; of two scans
+# with what interpolates the coarser one.
+COPIES = {"read": 2.1, "changed": 3.2, "filled": 3.0, "added": 9.5, "built": 2.1}
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
 RANKED = 72  # bytes per point on rank 0 for heights with a given distribution
 PROCESS_GIB = 0.217  # interpreter, libraries, compiled kernels, buffers of MPI
@@ -53,9 +53,11 @@ def _copies(surface: File) -> float:
     step = surface.downsample / surface.refine
     mirrored = step**2  # points before they are resampled, over those after; likewise the next
     read = mirrored / 2 ** sum(surface.mirrored)
-    is_changed = surface.detrend != "none" or surface.window != "none"
-    copies = COPIES["filled"] if surface.fill != "none" or surface.bodies else COPIES["read"]
-    copies = max(copies, COPIES["changed"]) if is_changed else copies
+    steps = surface.detrend, surface.window, surface.spikes, surface.flip
+    is_changed = steps != ("none", "none", "keep", False)
+    copies = COPIES["filled"] if surface.fill != "none" else COPIES["read"]
+    copies = COPIES["changed"] if is_changed else copies
+    copies = COPIES["added"] if surface.bodies else copies
     resampling = mirrored + step + 1 if step != 1 else 0.0
     mirroring = read if any(surface.mirrored) else 0.0
     return max(copies * read, resampling + mirroring, COPIES["built"])

@@ -163,6 +163,7 @@ def quality_of(z: np.ndarray, sizes: tuple[float, ...]) -> MapQuality:
         taken_by_plane += slope * (2 * x @ profile / n - slope * x.var())
         between = np.diff(z, axis=axis).ravel()
         squares += between @ between / max(between.size, 1) * (n / size) ** 2
+        del between
         steps.append(step)
         ratios.append((2 * step / second) ** 2 if second > 0 else 0.0)
     return MapQuality(

@@ -78,11 +78,15 @@ def test_limit_of_the_process(monkeypatch):
         ("downsample = 8", 2048, 256),
         ('boundary = "mirror", detrend = "tilt"', 1024, 2048),
         ('boundary = "mirror", refine = 2', 512, 2048),
+        ('fill = "harmonic"', 1024, 1024),
     ],
 )
 def test_preparing_stays_within_the_forecast(keys, read, n):
-    """One process holds the whole map, its largest form in at most three copies."""
-    np.save("z.npy", np.zeros((read, read)))
+    """One process holds the whole map, its largest form in at most three copies; of what is filled
+    nine tenths are missing."""
+    z = np.ones((read, read))
+    z[: 9 * read // 10] = np.nan if "fill" in keys else 1.0
+    np.save("z.npy", z)
     surface = f'{{kind = "file", path = "z.npy", physical_sizes = [1, 1], {keys}}}'
     scene = scene_of(f"surface = {surface} ; load = {{pressure = 0.1}}")
     for _ in range(2):  # the first pass includes imports

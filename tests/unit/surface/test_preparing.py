@@ -7,7 +7,7 @@ import pytest
 from contacts import random_heights
 
 from hpc_gfmd.scene import File
-from hpc_gfmd.surface.fill import filled
+from hpc_gfmd.surface.fill import Film, filled
 from hpc_gfmd.surface.prepare import prepare
 from hpc_gfmd.surface.topography import Topography, open_topography
 from hpc_gfmd.util.errors import SceneError
@@ -48,25 +48,42 @@ def test_detrended(prepared):
     assert abs(np.sum(left * (X - X.mean()))) + abs(np.sum(left * (Y - Y.mean()))) < 1e-11
 
 
-def test_a_large_hole_takes_little_memory():
-    """A hole of 160,000 points: a harmonic function comes back in 180 bytes for each of them."""
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_holes_are_filled_in_the_memory_of_two_copies(share):
+    """Beside the map, which is filled in place, of a harmonic function: a hole, and as many points
+    at random."""
     x = np.arange(500.0)
     z = x[:, None] * x
-    holes = z.copy()
-    holes[50:450, 50:450] = np.nan
-    small, large = (
-        Topography(rows.shape, SIZES, lambda start, stop, rows=rows: rows[start:stop])
-        for rows in (holes[45:55, 45:55], holes)
-    )
-    filled(small, "harmonic")  # imports
-    tracemalloc.start()
-    try:
-        heights = filled(large, "harmonic").heights()
-        _, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert np.allclose(heights, z, rtol=1e-9)
-    assert peak < 180 * 400**2
+    side = round(500 * share**0.5)
+    hole = np.zeros(z.shape, bool)
+    hole[5 : 5 + side, 5 : 5 + side] = True
+    for missing in (hole, np.random.default_rng(1).permuted(hole.ravel()).reshape(z.shape)):
+        missing[[0, -1]] = missing[:, [0, -1]] = False
+        holes = np.where(missing, np.nan, z)
+        small, surface = (
+            Topography(rows.shape, SIZES, lambda start, stop, rows=rows: rows[start:stop])
+            for rows in (holes[:10].copy(), holes)
+        )
+        filled(small, "harmonic")  # loads kernels
+        tracemalloc.start()
+        try:
+            heights = filled(surface, "harmonic").heights()
+            _, peak = tracemalloc.get_traced_memory()
+        finally:
+            tracemalloc.stop()
+        assert np.allclose(heights, z, rtol=1e-9)
+        assert peak < 2 * z.nbytes
+
+
+def test_a_film_is_a_symmetric_preconditioner():
+    random = np.random.default_rng(2)
+    film = Film(random.random((40, 61)) < 0.7)
+    sides = random.standard_normal((2, film.right.size)).astype(np.float32)
+    heights = []
+    for film.right[:] in sides:
+        assert film.lay() > 0
+        heights.append(film.heights[film.heights != 0])
+    assert heights[0] @ sides[1] == pytest.approx(heights[1] @ sides[0], rel=1e-4)
 
 
 def test_harmonic_functions_come_back(prepared):
