@@ -1,4 +1,5 @@
-"""What an attraction adds to the row passes of the default solver and of the certificate.
+"""What an attraction adds to the row passes of the default solver and of the certificate:
+equations (2) and (3) in docs/method.md.
 
 With a law phi(g) (laws/, attraction.py) the solver's p is the pressure of the wall, r = w + t: w is
 that of the body, t = phi'(g) the attraction. A step that changes w by s K d changes r by

@@ -1,9 +1,9 @@
 """Keep compiled kernels from run to run, in a folder for each state of sources, versions,
 processor.
 
-numba looks at a kernel's own source file only, but functions of others are compiled in. It also
-trusts the bytes that it finds, and numbers files, so that two processes mix them up. So this module
-writes one file a kernel and signature, with a checksum.
+numba's own cache, which is off, looks at a kernel's own source file only, but functions of others
+are compiled in. It also trusts the bytes that it finds, and numbers files, so that two processes
+mix them up. So this module writes one file a kernel and signature, with a checksum.
 """
 
 import gc
@@ -18,17 +18,17 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import llvmlite
 import numba
 import numpy
 from llvmlite import binding
 from numba.core import event
+from numba.core.caching import CompileResultCacheImpl
 from numba.core.serialize import dumps
 
 from ..util.caches import cache_folder, keep, kept
-from ..util.errors import SceneError
 from ..util.plugins import sources_added
 
 LARGEST = "update_passes"  # the kernel that is kept wherever a contact has been solved
@@ -38,67 +38,61 @@ ROOM = 64 * 2**20  # bytes that must be free
 SUFFIX = ".kernel"  # of the files
 
 
-def compiled_on_first_use(function: Callable[..., Any], variant: str = "", **options: Any) -> Any:
-    """Return numba.njit(**options)(function) with its code in `folder()`; variant: for kernels of
-    the same source. SceneError if NUMBA_DISABLE_JIT is set.
-    """
-    if numba.config.DISABLE_JIT:
-        raise SceneError(
-            "NUMBA_DISABLE_JIT: found in the environment, allowed: not set; the kernels call FFTW"
-            " by its address, which only compiled code can"
-        )
-    path = folder()
-    if path is not None:
-        before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(path)
+class KernelFiles(NamedTuple):
+    """The files of one kernel's code, one for each signature: `stem`.HASH.kernel."""
+
+    stem: Path
+    name: str  # of the kernel among all
+    state: str  # what else its code depends on: `stamp` and its own source
+
+    @classmethod
+    def of(cls, function: Callable[..., Any], kind: str) -> Self | None:
+        """Return the files in `folder()` of a kernel of a kind, made of a function; None without a
+        folder or a source, and for a closure, which its source does not describe.
+        """
+        path = folder()
+        if path is None or function.__closure__:
+            return None
+        code = function.__code__
         try:
-            dispatcher = numba.njit(cache=True, **options)(function)
-            numbas = dispatcher._cache._cache_file
-            stem = Path(numbas._index_path).with_suffix(f".{variant}" if variant else "")
-            if stem.is_relative_to(path):
-                dispatcher._cache._cache_file = KernelFiles(stem, repr(numbas._source_stamp))
-                return dispatcher
-        except (OSError, RuntimeError):  # numba could not make a folder of its own in it
-            pass
-        finally:
-            numba.config.CACHE_DIR = before  # other packages' kernels are kept elsewhere
-    return numba.njit(**options)(function)
+            source = hashlib.sha256(Path(code.co_filename).read_bytes()).hexdigest()
+        except OSError:
+            return None
+        name = f"{kind} {code.co_filename}:{code.co_firstlineno} {function.__qualname__}"
+        return cls(path / function.__name__, name, f"{stamp()} {source}")
 
-
-class KernelFiles:
-    """The files of one kernel, with the methods of numba's `IndexDataCacheFile`; `stem`: their name
-    up to a hash; `source`: of the kernel's text.
-    """
-
-    def __init__(self, stem: Path, source: str):
-        self.stem = stem
-        self.source = source
-
-    def load(self, key: Any) -> Any:
-        """Return the code saved under a key, None if none is whole and of this source."""
-        path, purpose = self._file(key)
+    def load(self, types: tuple, context: Any) -> Any:
+        """Return the code for types of arguments; None if none is whole and of this state."""
+        path, purpose = self._file(types, context)
         content = kept(path, purpose)
         if content is None:
             return None
         _log(f"data loaded from {path}")
-        return pickle.loads(content)
+        context.refresh()
+        return CODE.rebuild(context, pickle.loads(content))
 
-    def save(self, key: Any, data: Any) -> None:
-        """Write code to the file of a key; errors of the file system are ignored."""
-        path, purpose = self._file(key)
-        keep(path, dumps(data), purpose)
-        _log(f"data saved to {path}")
+    def save(self, types: tuple, code: Any) -> None:
+        """Write the code for types of arguments; errors of the file system are ignored."""
+        if not code.library.has_dynamic_globals:  # addresses, which hold in this process alone
+            path, purpose = self._file(types, code.target_context)
+            keep(path, dumps(CODE.reduce(code)), purpose)
+            _log(f"data saved to {path}")
 
-    def flush(self) -> None:
-        """Remove all files of this kernel."""
-        for path in self.stem.parent.glob(f"{self.stem.name}.*{SUFFIX}"):
-            path.unlink(missing_ok=True)
+    def _file(self, types: tuple, context: Any) -> tuple[Path, str]:
+        """Return the file of a signature, and the purpose that `keep` and `kept` check."""
+        key = f"{self.name} {types} {context.codegen().magic_tuple()}"
+        digest = hashlib.sha256(key.encode()).hexdigest()[:16]
+        return self.stem.with_name(f"{self.stem.name}.{digest}{SUFFIX}"), f"{self.state} {key}"
 
-    def _file(self, key: Any) -> tuple[Path, str]:
-        """Return the file of a key, and the purpose that `keep` and `kept` check."""
-        purpose = f"{stamp()} {self.stem.name} {self.source} {key!r}"
-        digest = hashlib.sha256(repr(key).encode()).hexdigest()[:16]
-        return self.stem.with_name(f"{self.stem.name}.{digest}{SUFFIX}"), purpose
+
+class Code(CompileResultCacheImpl):  # type: ignore[misc]
+    """numba's form of compiled code in files, without its own idea of where these are."""
+
+    def __init__(self) -> None:
+        pass
+
+
+CODE = Code()
 
 
 def _log(text: str) -> None:
@@ -138,7 +132,7 @@ def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
                 "compiling (up to half a minute), at every start: there is no folder to keep it in,"
                 " HPC_GFMD_CACHE=FOLDER names one"
             )
-        elif any(path.rglob(f"*{LARGEST}*{SUFFIX}")):
+        elif any(path.glob(f"{LARGEST}*{SUFFIX}")):
             say("compiling what this scene needs in addition, once (up to half a minute)")
         else:
             say("compiling, once (up to half a minute)")

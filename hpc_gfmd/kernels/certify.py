@@ -1,5 +1,5 @@
-"""Kernels of the certificate and of its errors. Sums are in double precision whatever the fields
-are.
+"""Kernels of the certificate and of its errors: the sums of (7) to (11) in docs/method.md, in
+double precision whatever the fields are.
 
 Letters, of fields: local slabs (n_loc, n_y), in the units of operators/problem.py.
 

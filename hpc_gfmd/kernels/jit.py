@@ -5,13 +5,17 @@ from functools import cache, partial
 from types import BuiltinFunctionType
 from typing import Any, ClassVar
 
+import numba
 import numpy as np
 from llvmlite import binding
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
+from numba.core.sigutils import normalize_signature
 
-from .cache import compiled_on_first_use
+from ..util.errors import SceneError
+from .cache import KernelFiles
 
 # NaN and infinity must stay visible, so no "nnan" and "ninf"; "reassoc" is what lets a sum use the
 # vector unit.
@@ -22,32 +26,58 @@ NEEDLESS = {"InlineClosureLikes", "InlineInlinables", "InlineOverloads", "Nopyth
 
 
 def kernel(function: Callable[..., Any], piece: bool = False) -> Any:
-    """Make a function a kernel: compiled on first use, cached, without the GIL; no arrays made, no
-    functions within. A `piece` is copied into others: called, it might differ in last bits between
-    cached and new code.
+    """Make a function a kernel: compiled on first use, kept in a file, without the GIL; no arrays
+    made, no functions within. A `piece` is copied into others: called, it might differ in last bits
+    between kept and new code. SceneError if NUMBA_DISABLE_JIT is set.
     """
-    compiled = compiled_on_first_use(
-        function,
-        variant="piece" if piece else "",
-        nogil=True,
-        error_model="numpy",
-        fastmath=FASTMATH,
-        _nrt=False,
-        forceinline=piece,
-        no_cpython_wrapper=piece,
-        no_cfunc_wrapper=True,
-        pipeline_class=KernelCompiler,
-    )
-    if piece:
-        compiled.__class__ = Piece
-    return compiled
+    if numba.config.DISABLE_JIT:
+        raise SceneError(
+            "NUMBA_DISABLE_JIT: found in the environment, allowed: not set; the kernels call FFTW"
+            " by its address, which only compiled code can"
+        )
+    options = {
+        "nopython": True,
+        "nogil": True,
+        "error_model": "numpy",
+        "fastmath": FASTMATH,
+        "_nrt": False,
+        "forceinline": piece,
+        "no_cpython_wrapper": piece,
+        "no_cfunc_wrapper": True,
+    }
+    made_by = Piece if piece else Kernel
+    return made_by(function, targetoptions=options, pipeline_class=KernelCompiler)
 
 
 kernel_of = cache(kernel)
 
 
-class Piece(CPUDispatcher):
-    """A piece of other kernels, which has no entry for Python."""
+class Kernel(CPUDispatcher):  # type: ignore[misc]
+    """A kernel, whose compiled code is taken from a file of an earlier run if there is one."""
+
+    def __init__(self, function: Callable[..., Any], *arguments: Any, **options: Any):
+        super().__init__(function, *arguments, **options)
+        self.files = KernelFiles.of(function, type(self).__name__)
+
+    def compile(self, signature: Any) -> Any:
+        """Return the entry of the code for some types of arguments, loaded or compiled."""
+        types = tuple(normalize_signature(signature)[0])
+        with global_compiler_lock:
+            if self.files is not None and types not in self.overloads:
+                code = self.files.load(types, self.targetctx)
+                if code is None:
+                    super().compile(signature)
+                    self.files.save(types, self.overloads[types])
+                else:
+                    self.targetctx.insert_user_function(
+                        code.entry_point, code.fndesc, [code.library]
+                    )
+                    self.add_overload(code)
+            return super().compile(signature)
+
+
+class Piece(Kernel):
+    """A piece of kernels, which has no entry for Python."""
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the kernel that is made of the same function: numba's own call would crash."""
@@ -98,8 +128,8 @@ class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
 
     def _optimize_functions(self, module: Any) -> None:
         """Tidy up each function by itself, before pieces are copied into it."""
-        module.data_layout = str(self._codegen.target_data)
-        passes = self._llvm_passes(speed_level=1)
+        module.data_layout = str(self.codegen.target_data)
+        passes = _llvm_passes(*self.codegen.magic_tuple(), speed_level=1)
         tidy = passes.getFunctionPassManager()
         for function in module.functions:
             if not function.is_declaration:
@@ -107,15 +137,8 @@ class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
 
     def _optimize_final_module(self) -> None:
         """Optimise a kernel together with its pieces."""
-        passes = self._llvm_passes(speed_level=3)
-        passes.getModulePassManager().run(self._final_module, passes)
-
-    def _llvm_passes(self, speed_level: int) -> Any:
-        """Return LLVM's passes of a level of optimisation, 0 to 3."""
-        options = binding.create_pipeline_tuning_options(speed_level)
-        options.loop_vectorization = True
-        options.loop_unrolling = False
-        return binding.create_pass_builder(self._codegen._tm, options)
+        passes = _llvm_passes(*self.codegen.magic_tuple(), speed_level=3)
+        passes.getModulePassManager().run(next(self.get_defined_functions()).module, passes)
 
 
 class PieceLibrary(KernelLibrary):
@@ -123,9 +146,24 @@ class PieceLibrary(KernelLibrary):
 
     def _optimize_final_module(self) -> None:
         """Make no machine code of the functions that are always copied."""
-        for function in self._final_module.functions:
-            if not function.is_declaration and b"alwaysinline" in b" ".join(function.attributes):
+        for function in self.get_defined_functions():
+            if b"alwaysinline" in b" ".join(function.attributes):
                 function.linkage = "available_externally"
+
+
+def _llvm_passes(triple: str, processor: str, features: str, speed_level: int) -> Any:
+    """Return LLVM's passes of a level of optimisation, 0 to 3, for a processor."""
+    options = binding.create_pipeline_tuning_options(speed_level)
+    options.loop_vectorization = True
+    options.loop_unrolling = False
+    return binding.create_pass_builder(_target(triple, processor, features), options)
+
+
+@cache
+def _target(triple: str, processor: str, features: str) -> Any:
+    """Return LLVM's knowledge of a processor, by which it chooses the width of vectors."""
+    target = binding.Target.from_triple(triple)
+    return target.create_target_machine(cpu=processor, features=features, opt=3)
 
 
 inline = partial(kernel, piece=True)

@@ -1,5 +1,5 @@
 """Restriction and interpolation between a grid and the next coarser one, and the sweep of the
-multilevel preconditioner over the levels.
+multilevel preconditioner over the levels: equation (5) in docs/method.md.
 
 Letters. Pressures are in E* g_rms, weights of levels in units of that of the shortest wave.
 

@@ -1,4 +1,5 @@
-"""From the solution on the decimated grid to a start on the finer one.
+"""From the solution on the decimated grid to a start on the finer one ("Nested iteration" in
+docs/method.md).
 
 The displacement is interpolated; where the finer grid's heights poke through it, the solution
 differs from the interpolation nearby. That difference v = u - P u_c is computed without an FFT, by
