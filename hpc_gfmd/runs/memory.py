@@ -34,8 +34,8 @@ RELAXING = 8.0  # for each field of a solid that relaxes: the displacement, and 
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
 BY_ROWS = (".npy", ".h5", ".hdf5", ".nc")  # names of files of which every rank reads its rows
 # Of a map on the process that reads or prepares it, however many points are missing; of two scans
-# with what interpolates the coarser one.
-COPIES = {"read": 2.1, "changed": 3.2, "filled": 3.0, "added": 9.5, "built": 2.1}
+# one is kept while the other one is read or filled.
+COPIES = {"read": 2.1, "changed": 3.2, "filled": 3.0, "added": 4.0, "built": 2.1}
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
 RANKED = 72  # bytes per point on rank 0 for heights with a given distribution
 PROCESS_GIB = 0.217  # interpreter, libraries, compiled kernels, buffers of MPI

@@ -18,6 +18,7 @@ from .map_units import lengths_text
 from .metadata import UNEVEN
 
 ALIKE = 1e-6  # relative difference of lengths that are the same
+LINES = 64  # interpolated at a time
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,19 @@ class Axis:
 
         places = self.places
         if self.hits_points:
+            first = round(self.begin)
+            if 0 <= first <= self.n - self.count:
+                return np.moveaxis(np.moveaxis(z, axis, 0)[first : first + self.count], 0, axis)
             return z.take(np.rint(places).astype(int), axis, mode="wrap")
-        if not self.wraps:
-            return CubicSpline(np.arange(self.n), z, axis, "natural")(places)
-        period = z.take(np.arange(self.n + 1), axis, mode="wrap")
-        return CubicSpline(np.arange(self.n + 1), period, axis, "periodic")(places % self.n)
+        kind = "periodic" if self.wraps else "natural"
+        count = self.n + self.wraps
+        places = places % self.n if self.wraps else places
+        lines = np.moveaxis(z, axis, 1)
+        result = np.empty((len(lines), self.count))
+        for i in range(0, len(lines), LINES):
+            piece = lines[i : i + LINES].take(np.arange(count), 1, mode="wrap")
+            result[i : i + LINES] = CubicSpline(np.arange(count), piece, 1, kind)(places)
+        return np.moveaxis(result, 1, axis)
 
 
 def placed(scans: tuple[Any, Any], spec: Any) -> tuple[Any, Any]:
