@@ -121,6 +121,7 @@ class Surfaces:
     make: Callable[[np.dtype], Surface]  # make(dtype) makes it
     # Surfaces that can be used again, to which new ones are added; None if they cannot.
     kept: Kept | None = None
+    rounds: bool = False  # whether a kept surface in single precision is one in double, rounded
     is_described: bool = True  # whether the scene describes the heights completely
     is_measured: bool = True  # whether the heights are from a file
     # of heights that are in memory or in a file; None before the first surface
@@ -133,9 +134,15 @@ class Surfaces:
         elif dtype in self.kept:
             surface = self._with_grid_of_this_thread(self.kept[dtype])
         else:
-            surface = self.kept[dtype] = self.make(dtype)
+            surface = self.kept[dtype] = self._made(dtype)
         self.checksum = surface.checksum
         return surface if self.is_measured else replace(surface, checksum=None)
+
+    def _made(self, dtype: np.dtype) -> Surface:
+        if not self.rounds or dtype == DOUBLE:
+            return self.make(dtype)
+        double = self(DOUBLE)
+        return replace(double, h=double.gap.astype(dtype))
 
     def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
         """Return a kept surface on a grid whose scratch memory belongs to this thread."""
@@ -206,17 +213,13 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
     threads = threads_of(comm, scene.machine.threads, array.size)
 
     def make(dtype: np.dtype) -> Surface:
-        if is_small and dtype != DOUBLE:
-            double = surfaces(DOUBLE)
-            return replace(double, h=double.gap.astype(dtype))
         return surface_of(topography, comm, dtype, threads, scene.surface.free, True, whole)
 
     is_described = isinstance(wall, PreparedSurface) and wall.table is not None
     is_measured = hasattr(scene.surface, "path")
     n_x, n_y = topography.n
     size = (n_x, n_y), topography.sizes
-    surfaces = Surfaces(comm, threads, size, make, kept, is_described, is_measured)
-    return surfaces
+    return Surfaces(comm, threads, size, make, kept, is_small, is_described, is_measured)
 
 
 # -- its loads

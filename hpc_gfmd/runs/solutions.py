@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Self, overload
@@ -90,13 +90,14 @@ class Solutions(Solved, Sequence[Solution]):
         exit_code : int, optional
             That of the command line; default: by the status.
         """
+        make_result = cache(make_result)  # one for all loads, whichever of them asks
         super().__init__(steps, make_result, rows, comm)
         self.status = status
         self.path = path
         self.exit_code = exit_code or (0 if status in FINE else 3)
         contacts = contacts or [None] * len(steps)
         self._all = [
-            Solution([step], partial(self._only, k), rows, comm, contact)
+            Solution([step], partial(_only, make_result, k), rows, comm, contact)
             for k, (step, contact) in enumerate(zip(steps, contacts, strict=True))
         ]
 
@@ -104,9 +105,6 @@ class Solutions(Solved, Sequence[Solution]):
     def of(cls, result: Result) -> Self:
         """Return the solutions in a result that every process can read."""
         return cls(result.steps, lambda: result, status=result.status, path=result.path)
-
-    def _only(self, k: int) -> Result:
-        return self.result.some([k], status=self.steps[k]["status"])
 
     @overload
     def __getitem__(self, index: int) -> Solution: ...
@@ -183,6 +181,11 @@ class Solutions(Solved, Sequence[Solution]):
 
     def _repr_html_(self) -> str:
         return html_table(self.result)
+
+
+def _only(make_result: Callable[[], Result], k: int) -> Result:
+    result = make_result()
+    return result.some([k], status=result.steps[k]["status"])
 
 
 class Interrupted(KeyboardInterrupt):

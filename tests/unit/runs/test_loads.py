@@ -1,6 +1,8 @@
 """Loads prescribed by gap, area, force or approach: in scenes, solve and results."""
 
+import gc
 import re
+import weakref
 
 import numpy as np
 import pytest
@@ -69,3 +71,19 @@ def test_units_of_a_height_map(tmp_path, cli):
     cli.prints(again, 'load={force = "1 uN"}')
     (step,) = read_result("contact.h5").steps
     assert (step["target_force"], step["p"]) == pytest.approx((1e-6, 1e6))
+
+
+@pytest.mark.parametrize("loads", [0.1, [0.1, 0.2]])
+def test_results_free_their_memory_at_once(loads):
+    """Fields of a result that is dropped do not wait for the collector of cycles."""
+    heights = random_heights((16, 16), seed=1)
+    gc.collect()
+    gc.disable()
+    try:
+        result = hpc_gfmd.solve(heights, p_star=loads, boundary="periodic")
+        assert "converged" in repr(result)  # this reads what is made at the first look
+        dropped = weakref.ref(result)
+        del result
+        assert dropped() is None
+    finally:
+        gc.enable()
