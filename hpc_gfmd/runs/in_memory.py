@@ -129,20 +129,22 @@ class Surfaces:
 
     def __call__(self, dtype: np.dtype) -> Surface:
         """Return the surface in a precision, a kept one if there is one. Collective."""
-        if self.kept is None:
-            surface = self.make(dtype)
-        elif dtype in self.kept:
-            surface = self._with_grid_of_this_thread(self.kept[dtype])
-        else:
-            surface = self.kept[dtype] = self._made(dtype)
+        surface = self._of(dtype)
         self.checksum = surface.checksum
         return surface if self.is_measured else replace(surface, checksum=None)
 
-    def _made(self, dtype: np.dtype) -> Surface:
-        if not self.rounds or dtype == DOUBLE:
+    def _of(self, dtype: np.dtype) -> Surface:
+        if self.kept is None:
             return self.make(dtype)
-        double = self(DOUBLE)
-        return replace(double, h=double.gap.astype(dtype))
+        if dtype in self.kept:
+            return self._with_grid_of_this_thread(self.kept[dtype])
+        if self.rounds and dtype != DOUBLE:
+            double = self._of(DOUBLE)
+            surface = replace(double, h=double.gap.astype(dtype))
+        else:
+            surface = self.make(dtype)
+        self.kept[dtype] = surface
+        return surface
 
     def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
         """Return a kept surface on a grid whose scratch memory belongs to this thread."""

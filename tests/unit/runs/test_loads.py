@@ -87,3 +87,22 @@ def test_results_free_their_memory_at_once(loads):
         assert dropped() is None
     finally:
         gc.enable()
+
+
+def test_results_of_arrays_know_their_heights():
+    """The identity of a result has the checksum of the heights, the same in both precisions."""
+    identities = [
+        hpc_gfmd.solve(
+            scale * random_heights((128, 128), seed=1),
+            p_star=0.2,
+            boundary="periodic",
+            precision=precision,
+            fields=(),
+        )
+        .result.head["identity"]
+        .partition(" of ")[2]
+        for scale in (1.0, 2.0)
+        for precision in ("single", "double")
+    ]
+    assert identities[0] == identities[1] != identities[2] == identities[3]
+    assert all(len(checksum) == 32 for checksum in identities)
