@@ -25,7 +25,7 @@ MOST_ITERATIONS = 3000  # of other solvers than bpx
 
 
 class TooSlow(Exception):
-    """A solve took longer than SECONDS."""
+    """The loads of a wall and their exact solutions took longer than SECONDS."""
 
 
 STATUS_OF_ERROR = {"TooSlow": "too slow", "SceneError": "refused"}
