@@ -23,12 +23,12 @@ from ..kernels.certify import KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from ..operators.wall import Wall, wall_of
-from .error_estimates import State, estimate, relative_error
+from .error_estimates import StateSums, estimate, relative_error
 from .misclassified import misclassified_points, spread_of
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
-    from .stability import Stability
+    from ..operators.state import State
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,68 +87,60 @@ class Certificate:
 
 
 class Recomputed(NamedTuple):
-    """Sums that follow from the displacement of a state, over all ranks."""
+    """Sums of a state whose pressure was recomputed, over all ranks."""
 
     sums: KktSums  # of the recomputed pressure and the gap
     tension: float  # largest -p where g = 0, or 0
-    uKu: float  # <u, K u>
     mean: float  # mean of u - level over the grid
     level: float  # constant that was subtracted from u before the transform
-    attraction: float  # sum of t over points; 0 without a law
-    energy_of_attraction: float  # sum of phi over points; 0 without a law
+    energy_of_attraction: float = 0.0  # sum of phi over points
 
 
 def certify(
     problem: Problem,
-    g: np.ndarray,
-    p: np.ndarray,
+    state: State,
     levels: Multilevel | None = None,
     dtype: DTypeLike = np.float64,
     dual: bool = False,
-    stability: Stability | None = None,
 ) -> Certificate:
-    """Recompute the pressure of a gap, made feasible, into p, and measure all violations.
-    Collective.
+    """Make the gap of a state feasible, recompute its pressure, <u, K u> and attraction, and
+    measure all violations. Collective. problem: at the state's p0.
 
     One FFT pair in the precision `dtype`, half of one more with `dual`. `levels`, overwritten, give
-    the errors (else nan); `stability` divides those with attraction. A state that is not finite
-    raises nothing: see `Certificate.finite`.
+    the errors (else nan); the state's stability divides those with attraction. A state that is not
+    finite raises nothing: see `Certificate.finite`.
     """
-    penetration = wall_of(problem).project(g)
+    penetration = wall_of(problem).project(state)
     elastic = Elastic(problem.grid, problem.body, dtype)
-    state = _recompute(problem, elastic, g, p)
-    return measured(problem, elastic, g, p, state, penetration, levels, dual, stability)
+    recomputed = _recompute(problem, elastic, state)
+    return measured(problem, elastic, state, recomputed, penetration, levels, dual)
 
 
 def measured(
     problem: Problem,
     elastic: Elastic,
-    g: np.ndarray,
-    p: np.ndarray,
-    state: Recomputed,
+    state: State,
+    recomputed: Recomputed,
     penetration: float,
     levels: Multilevel | None,
     dual: bool,
-    stability: Stability | None = None,
 ) -> Certificate:
-    """Return the certificate of a feasible gap g and its pressure p; state: their sums."""
+    """Return the certificate of a state with a feasible gap and the pressure of it."""
     N = problem.grid.N
-    sums = state.sums
-    wall_load = float(problem.p0) + state.attraction / N
+    sums = recomputed.sums
+    wall_load = state.wall_load
     work = wall_load * sums.gap
-    duality_gap = _duality_gap(wall_of(problem), elastic, g, p, sums, wall_load) if dual else None
+    duality_gap = _duality_gap(wall_of(problem), elastic, state, sums) if dual else None
     uniform = elastic.multipliers.uniform
     energy_of_uniform = 0.5 * float(problem.p0) * problem.p_cell / uniform if uniform else 0.0
     with np.errstate(invalid="ignore", over="ignore"):
         errors = Certificate.errors
         attainable = Certificate.attainable
         if levels is not None:
-            errors, attainable = _errors(
-                problem, levels, g, p, sums, state.uKu, wall_load, stability
-            )
+            errors, attainable = _errors(problem, levels, state, sums)
         return Certificate(
             penetration=penetration,
-            tension=float(state.tension / wall_load),
+            tension=float(recomputed.tension / wall_load),
             complementarity=float(sums.pg / work) if sums.gap > 0 else 0.0,
             load_balance=float(abs(sums.open_p) / (N * wall_load)),
             duality_gap=duality_gap,
@@ -157,19 +149,21 @@ def measured(
             p0_error=_error_of_load(problem, errors[1] * sums.gap / N),
             attainable=attainable,
             energy=float(0.5 * state.uKu / N + energy_of_uniform),
-            uKu=float(state.uKu),
+            uKu=state.uKu,
             pressures=float(np.sqrt(sums.closed_pp)),
             approach=(
-                float(problem.p_cell / uniform - state.mean - state.level) if uniform else np.nan
+                float(problem.p_cell / uniform - recomputed.mean - recomputed.level)
+                if uniform
+                else np.nan
             ),
             contact=int(sums.contact) if np.isfinite(sums.contact) else 0,
             yielded=int(sums.yielded),
             gap_mean=float(sums.gap / N),
             pairs=elastic.pairs,
             precision=elastic.dtype.name,
-            attraction=float(state.attraction / N),
-            energy_of_attraction=float(state.energy_of_attraction / N),
-            stability=stability.value if stability is not None else np.nan,
+            attraction=float(state.attracted / N),
+            energy_of_attraction=float(recomputed.energy_of_attraction / N),
+            stability=state.stability.value if state.stability is not None else np.nan,
         )
 
 
@@ -182,9 +176,11 @@ def _error_of_load(problem: Problem, error_of_gap: float) -> float | None:
     return float(error / abs(problem.p0)) if problem.p0 else np.inf
 
 
-def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> Recomputed:
-    """Overwrite p with the wall's pressure at the gap g, and sum both. Collective, one FFT pair."""
+def _recompute(problem: Problem, elastic: Elastic, state: State) -> Recomputed:
+    """Set all of a state that follows from its gap. Collective, one FFT pair."""
     grid = problem.grid
+    g = state.g
+    p = state.p
     level = problem.transform_displacement(elastic.fft, g)
     uKu = elastic.columns(add=problem.adder(elastic.fft))
     law = problem.law(elastic.fft.dtype)
@@ -200,70 +196,55 @@ def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray)
     sums_of_parts = [sums for sums, _ in parts] or [KktSums(*[0.0] * len(KktSums._fields))]
     *totals, uKu, mean = grid.comm.sum([*np.sum(sums_of_parts, axis=0), uKu, elastic.mean])
     (tension,) = grid.comm.max([max((tension for _, tension in parts), default=0.0)])
-    attraction = energy_of_attraction = 0.0
+    state.uKu = float(uKu)
+    energy_of_attraction = 0.0
     if law is not None:
-        attraction, energy_of_attraction = grid.comm.sum(np.sum(attracted, axis=0)).tolist()
-    return Recomputed(
-        sums=KktSums(*totals),
-        tension=float(tension),
-        uKu=uKu,
-        mean=mean,
-        level=level,
-        attraction=attraction,
-        energy_of_attraction=energy_of_attraction,
-    )
+        state.attracted, energy_of_attraction = grid.comm.sum(np.sum(attracted, axis=0)).tolist()
+    return Recomputed(KktSums(*totals), float(tension), mean, level, energy_of_attraction)
 
 
-def _duality_gap(
-    wall: Wall, elastic: Elastic, g: np.ndarray, p: np.ndarray, sums: KktSums, wall_load: float
-) -> float:
+def _duality_gap(wall: Wall, elastic: Elastic, state: State, sums: KktSums) -> float:
     """Return G over (wall_load times sum of gaps): inf without an admissible pressure (H in dents),
     or if only the gaps are 0. Collective, half an FFT pair.
     """
     grid = wall.grid
-    load = grid.N * wall_load
+    load = grid.N * state.wall_load
     scale, shift = wall.admissible(load, load - sums.open_p, sums.contact, sums.yielded)
     if scale < 0:
         return np.inf
+    fields = state.g, state.p
     elastic.pressure_rows(
-        lambda i0, i1, x: dual_rows(g, p, x, scale, shift, wall.limit, grid.inside, i0, i1)
+        lambda i0, i1, x: dual_rows(*fields, x, scale, shift, wall.limit, grid.inside, i0, i1)
     )
     G = 0.5 * float(grid.comm.sum([elastic.columns(inverse=True, backward=False)])[0])
     if sums.gap > 0:
-        return float(G / (wall_load * sums.gap))
+        return float(G / (state.wall_load * sums.gap))
     return np.inf if G > 0 else 0.0
 
 
 def _errors(
-    problem: Problem,
-    levels: Multilevel,
-    g: np.ndarray,
-    p: np.ndarray,
-    sums: KktSums,
-    uKu: float,
-    wall_load: float,
-    stability: Stability | None,
+    problem: Problem, levels: Multilevel, state: State, sums: KktSums
 ) -> tuple[tuple[float, float, float], tuple[float, float]]:
     """Return `errors` and `attainable` of a Certificate; overwrites the levels. Collective."""
     grid, contact = problem.grid, sums.contact
-    levels.restrict(g, p, problem.limit)
-    state = State(
-        p0=wall_load,
+    levels.restrict(state.g, state.p, problem.limit)
+    totals = StateSums(
+        p0=state.wall_load,
         open_p=sums.open_p,
         open_pp=sums.open_pp,
         closed_pp=sums.closed_pp,
         contact=contact,
         yielded=sums.yielded,
         gap=sums.gap,
-        uKu=uKu,
+        uKu=state.uKu,
         level_sums=grid.comm.sum(levels.sweep()[3:]).tolist(),
     )
-    lowest_stability = 1.0 if stability is None else stability.lowest
-    errors = estimate(problem, levels, g, state, lowest_stability)
+    lowest_stability = 1.0 if state.stability is None else state.stability.lowest
+    errors = estimate(problem, levels, state.g, totals, lowest_stability)
     if not np.isfinite(errors.squares):
         return (np.inf, np.inf, np.inf), (0.0, 0.0)
     spread = spread_of(sums.open_pp, sums.open_p4, contact, grid.N)
-    wrong = misclassified_points(problem, g, p, errors, spread, contact)
+    wrong = misclassified_points(problem, state.g, state.p, errors, spread, contact)
     # the one point that may be open is a gap that is not known
     gap = errors.gap if wrong == 0 or contact < grid.N else np.inf
     return (relative_error(wrong, contact), gap, errors.pressure), errors.attainable

@@ -60,7 +60,7 @@ AS_LOAD = 0.05
 LAST_POINTS = 0.3
 
 
-class State(NamedTuple):
+class StateSums(NamedTuple):
     """Sums over the points of a state, over all ranks, in the problem's units."""
 
     p0: float  # mean pressure that the wall bears
@@ -121,7 +121,7 @@ class Norms(NamedTuple):
 
 
 def estimate(
-    problem: Problem, levels: Multilevel, g: np.ndarray, state: State, stability: float = 1.0
+    problem: Problem, levels: Multilevel, g: np.ndarray, sums: StateSums, stability: float = 1.0
 ) -> Estimate:
     """Estimate the errors of a state from its sums and the norms of `levels`, without an FFT.
     Collective.
@@ -132,49 +132,49 @@ def estimate(
     finite, nothing touches, or stability or load of the wall is not positive.
     """
     N = problem.grid.N
-    is_finite = isfinite(state.open_pp + state.gap + state.uKu)
-    carries = state.p0 > 0 and state.elastic > 0 and state.closed_pp > 0
+    is_finite = isfinite(sums.open_pp + sums.gap + sums.uKu)
+    carries = sums.p0 > 0 and sums.elastic > 0 and sums.closed_pp > 0
     if not (is_finite and stability > 0 and carries):
         return Estimate()
-    norms = _norms(problem, levels, state, stability)
+    norms = _norms(problem, levels, sums, stability)
     distance = norms.missing * stability
     squares = norms.missing**2 * _squares_of_norm(problem)
-    relative = sqrt(squares / state.closed_pp)
-    rounding = _rounding_of_pressure(problem, state) / stability
+    relative = sqrt(squares / sums.closed_pp)
+    rounding = _rounding_of_pressure(problem, sums) / stability
     pressure = hypot(relative, rounding)
     stays = hypot(relative * norms.inherited, rounding)
     attainable_pressure = stays if relative * sqrt(1 - norms.inherited**2) < stays else 0.0
-    if state.contact == N:
+    if sums.contact == N:
         return Estimate(0.0, pressure, (0.0, attainable_pressure), squares, 0.0, distance=distance)
 
     further = further_movement(
-        problem, N * state.p0, g, state.gap, state.contact, norms.missing, norms.response
+        problem, N * sums.p0, g, sums.gap, sums.contact, norms.missing, norms.response
     )
-    wrong = _error_of_gaps(problem, state, norms) + further
-    rounding_of_gaps = _rounding_of_gaps(problem, state, norms) / stability
+    wrong = _error_of_gaps(problem, sums, norms) + further
+    rounding_of_gaps = _rounding_of_gaps(problem, sums, norms) / stability
     stays = wrong * norms.inherited + rounding_of_gaps
     attainable_gap = 0.0
     if wrong * (1 - norms.inherited) < stays:
-        attainable_gap = relative_error(stays, state.gap)
-    n_open = N - state.contact
+        attainable_gap = relative_error(stays, sums.gap)
+    n_open = N - sums.contact
     return Estimate(
-        gap=relative_error(wrong + rounding_of_gaps, state.gap),
+        gap=relative_error(wrong + rounding_of_gaps, sums.gap),
         pressure=pressure,
         attainable=(attainable_gap, attainable_pressure),
         squares=squares,
-        shift=n_open / max(N - state.elastic, 1) * norms.shift,  # free points that do not yield
-        missing_load=state.open_p / (N * state.p0),
+        shift=n_open / max(N - sums.elastic, 1) * norms.shift,  # free points that do not yield
+        missing_load=sums.open_p / (N * sums.p0),
         fall=further / n_open,
         distance=distance,
     )
 
 
-def _norms(problem: Problem, levels: Multilevel, state: State, stability: float) -> Norms:
+def _norms(problem: Problem, levels: Multilevel, sums: StateSums, stability: float) -> Norms:
     """Return the Norms of a state, by sums over levels; `stability` divides two of them. Local."""
     compliance = 1.0 / problem.body.scale(problem.grid)
-    share = state.elastic / problem.grid.N
+    share = sums.elastic / problem.grid.N
     residual, test, product = levels.test_products(
-        state.open_p, state.open_pp, state.elastic, *state.level_sums
+        sums.open_p, sums.open_pp, sums.elastic, *sums.level_sums
     )
     missing = sqrt(EQUIVALENCE * compliance * residual) / stability
     of_heights = problem.height_error / sqrt(_squares_of_norm(problem))
@@ -196,43 +196,43 @@ def _squares_of_norm(problem: Problem) -> float:
     return share**2 * max(body.typical(grid), body.scale(grid))
 
 
-def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
+def _error_of_gaps(problem: Problem, sums: StateSums, norms: Norms) -> float:
     """Return the absolute error of the sum of gaps, the smaller of both test pressures, without
     rounding, while elastic points stay so.
     """
     by_load = inf  # where an attraction differs from point to point this test says nothing
     if problem.attraction is None:
-        norm = sqrt(max(state.uKu, 0.0))
+        norm = sqrt(max(sums.uKu, 0.0))
         edges = self_energy(problem.grid)
-        by_load = norms.missing * ((norm + norms.missing) / state.p0 + edges)
+        by_load = norms.missing * ((norm + norms.missing) / sums.p0 + edges)
     share = UNKNOWN if problem.hardness is None else 1.0
     # of the error of the heights all is unknown
     share = hypot(share * sqrt(1 - norms.inherited**2), norms.inherited)
     by_contact = share * norms.response * norms.missing + LONG_WAVES * abs(norms.shift)
-    if state.yielded:
-        by_load += (by_contact - by_load) * (1 - state.p0 / (problem.hardness or inf))
+    if sums.yielded:
+        by_load += (by_contact - by_load) * (1 - sums.p0 / (problem.hardness or inf))
     return min(by_load, by_contact)
 
 
-def _rounding_of_pressure(problem: Problem, state: State) -> float:
+def _rounding_of_pressure(problem: Problem, sums: StateSums) -> float:
     """Return the relative pressure error by rounding and an error of S. Collective at first."""
     # with a hardness most of the contact may yield
-    points = state.elastic if problem.hardness is None else state.contact
-    of_heights = problem.rounding / sqrt(state.closed_pp / points)
+    points = sums.elastic if problem.hardness is None else sums.contact
+    of_heights = problem.rounding / sqrt(sums.closed_pp / points)
     return hypot(of_heights, _epsilon(problem), problem.body.error)
 
 
-def _rounding_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
+def _rounding_of_gaps(problem: Problem, sums: StateSums, norms: Norms) -> float:
     """Return the absolute error of the sum of gaps due to rounding errors and an error of S."""
     N = problem.grid.N
-    free = N - state.elastic
+    free = N - sums.elastic
     width = sqrt(free)
     # the last m points open by sqrt(m)/2
     last_points = LAST_POINTS * sqrt(N) * width * max(1, width / 2)
     compliance = 1.0 / problem.body.scale(problem.grid)
     as_load = AS_LOAD * (norms.response**2 + compliance * N)
-    of_body = problem.body.error * state.p0 * min(as_load, last_points)
-    of_sums = _epsilon(problem) * (state.p0 * norms.response**2 + state.gap)
+    of_body = problem.body.error * sums.p0 * min(as_load, last_points)
+    of_sums = _epsilon(problem) * (sums.p0 * norms.response**2 + sums.gap)
     return of_body + (of_sums + problem.rounding * free)
 
 

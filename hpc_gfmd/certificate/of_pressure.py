@@ -19,6 +19,7 @@ from .certificate import Certificate, Recomputed, measured
 if TYPE_CHECKING:
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
+    from ..operators.state import State
 
 
 class Part(NamedTuple):
@@ -33,19 +34,20 @@ class Part(NamedTuple):
 def certify_pressure(
     problem: Problem,
     part: Part,
-    g: np.ndarray,
-    p: np.ndarray,
+    state: State,
     levels: Multilevel,
     dtype: DTypeLike = np.float64,
     dual: bool = False,
 ) -> tuple[Certificate, float]:
-    """Return gap g, pressure p (local slabs), certificate, and a bound of the neglected pressure
-    over p. Collective, one FFT pair.
+    """Set a state to the pressure of a part; return its certificate, and a bound of the neglected
+    pressure over p. Collective, one FFT pair.
 
     g < 0 where points beyond the part penetrate. Needs stored heights, without hardness or
     attraction; overwrites the levels.
     """
     grid = problem.grid
+    g = state.g
+    p = state.p
     _spread(part, p)
     elastic = Elastic(grid, problem.body, dtype)
 
@@ -64,18 +66,11 @@ def certify_pressure(
     *totals, squares, uKu = grid.comm.sum([*np.sum(sums, axis=0), squares, uKu])
     tension = max((tension for _, tension in looks), default=0.0)
     tension, penetration = grid.comm.max([tension, penetration]).tolist()
-    state = Recomputed(
-        sums=KktSums(*totals),
-        tension=tension,
-        uKu=float(uKu),
-        mean=-level,
-        level=0.0,
-        attraction=0.0,
-        energy_of_attraction=0.0,
-    )
+    state.uKu = float(uKu)
+    recomputed = Recomputed(KktSums(*totals), tension, mean=-level, level=0.0)
     stiffest = problem.body.bounds(grid)[1]
-    neglected = stiffest * float(np.sqrt(squares / max(state.sums.closed_pp, 1e-300)))
-    certificate = measured(problem, elastic, g, p, state, penetration, levels, dual)
+    neglected = stiffest * float(np.sqrt(squares / max(recomputed.sums.closed_pp, 1e-300)))
+    certificate = measured(problem, elastic, state, recomputed, penetration, levels, dual)
     return replace(certificate, errors=_with_neglected(certificate.errors, neglected)), neglected
 
 

@@ -28,7 +28,6 @@ x s >= m. If there is no such x, there may be no equilibrium.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,6 +36,7 @@ from ..kernels.adhesive_rows import pull_along, softening
 from ..kernels.subspace import combine_directions, subspace_products
 from ..operators.elastic import Elastic, reader
 from ..operators.multilevel import Multilevel
+from ..operators.state import Stability
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -54,18 +54,6 @@ SCATTER = 0.9  # of the first direction then, so that it has a part outside of a
 INDEPENDENT = 1e-10  # smallest eigenvalue of the Gram matrix that is kept, over the largest
 FARTHER = 20  # largest number of distances that `stability_up_to_equilibrium` tries
 NEAR_ENOUGH = 0.95  # ratio of two successive stabilities from which on they count as equal
-
-
-@dataclass(frozen=True)
-class Stability:
-    """The stability of a state with an attraction, and its least stable mode."""
-
-    value: float  # computed s, an upper bound; 1 without attraction, below 0 at a saddle
-    lowest: float  # smallest s that is likely, by the uncertainty of `value`; it divides the errors
-    # Displacement e, local slab, normalised to <e, K e> = 1 and with a positive sum (the gap
-    # opens); None if no open point is attracted.
-    mode: np.ndarray | None
-    pairs: float  # FFT pairs that the search took
 
 
 def stability_of(

@@ -152,7 +152,7 @@ def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveA
             alone = replace(problem, grid=grid, h=h, p0=problem.p0 / share, h_rms=None)
             solver, pairs, contacts = solve(alone)
             rows, points = grid.inside
-            fields = np.stack([solver.g[:rows, :points], solver.p[:rows, :points]])
+            fields = np.stack([solver.state.g[:rows, :points], solver.state.p[:rows, :points]])
             pairs *= grid.cell_points / fine.cell_points
             contacts = [contact._replace(p0=contact.p0 * share) for contact in contacts]
         except interrupt.Stopped as stopped:

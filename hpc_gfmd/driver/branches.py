@@ -59,23 +59,24 @@ class SaddleGuard:
         no errors requested), and prepare the next step; return the FFT pairs. Collective.
         """
         solver = self.solver
-        solver.stability = None
+        state = solver.state
+        state.stability = None
         estimate = solver.progress().estimate
         distance = estimate.distance if estimate is not None and measure > 0 else 0.0
         stability = stability_of(
             solver.problem_now,
-            solver.g,
-            solver.p,
+            state.g,
+            state.p,
             solver.levels,
             ENOUGH * measure,
             measure if 0 < measure < np.inf else -LEAST,
             self._mode,
         )
         self._mode = stability.mode
-        lowest = stability_up_to_equilibrium(solver.problem_now, solver.g, stability, distance)
+        lowest = stability_up_to_equilibrium(solver.problem_now, state.g, stability, distance)
         self.at_saddle = lowest <= 0
         self.stability = stability.value
-        solver.stability = replace(stability, lowest=lowest)
+        state.stability = replace(stability, lowest=lowest)
         solver.after_stability()
         return stability.pairs
 
@@ -92,7 +93,8 @@ class SaddleGuard:
             return False
         rows, points = solver.grid.inside
         step = solver.problem.dtype.type(length)
-        g = solver.g
+        state = solver.state
+        g = state.g
         before = _mean_of_cell(solver)
 
         def kick(i0: int, i1: int) -> None:
@@ -102,9 +104,9 @@ class SaddleGuard:
             np.maximum(on_surface, 0, out=on_surface)
 
         solver.grid.by_rows(kick)
-        solver.stability = None
+        state.stability = None
         moved = _mean_of_cell(solver) - before
-        solver.p0 += solver.problem.spring * moved * (solver.grid.cell_points / solver.N)
+        state.p0 += solver.problem.spring * moved * (solver.grid.cell_points / solver.N)
         solver.start(g)
         self.kicks += 1
         return True
@@ -132,6 +134,7 @@ class SaddleGuard:
     def _work_along(self, mode: np.ndarray) -> tuple[float, float]:
         """Return <w, e>, w the body's pressure, e the mode, and the largest |e|. Collective."""
         solver = self.solver
+        state = solver.state
         grid, law = solver.grid, solver.problem.attraction
         assert law is not None
         rows, points = grid.inside
@@ -140,8 +143,8 @@ class SaddleGuard:
         def add(i0: int, i1: int) -> None:
             here = slice(i0, max(min(i1, rows), i0)), slice(0, points)
             e = mode[here].astype(np.float64)
-            t = law.traction(solver.g[here].astype(np.float64))
-            of_wall = np.vdot(solver.p[i0:i1].astype(np.float64), mode[i0:i1])
+            t = law.traction(state.g[here].astype(np.float64))
+            of_wall = np.vdot(state.p[i0:i1].astype(np.float64), mode[i0:i1])
             work.append(float(of_wall - np.vdot(t, e)))
             largest.append(float(np.abs(e).max(initial=0.0)))
 
@@ -156,7 +159,7 @@ class SaddleGuard:
         step, inside = solver.problem.dtype.type(length), solver.grid.inside
 
         def gain(i0: int, i1: int) -> float:
-            return float(gain_along(law, solver.g, mode, step, i0, i1, inside))
+            return float(gain_along(law, solver.state.g, mode, step, i0, i1, inside))
 
         (total,) = solver.grid.comm.sum([sum(solver.grid.by_rows(gain))])
         return float(total)
@@ -164,7 +167,7 @@ class SaddleGuard:
 
 def _mean_of_cell(solver: Solver) -> float:
     grid = solver.grid
-    parts = grid.by_rows(lambda i0, i1: float(solver.g[i0:i1].sum(dtype=np.float64)))
+    parts = grid.by_rows(lambda i0, i1: float(solver.state.g[i0:i1].sum(dtype=np.float64)))
     return float(grid.comm.sum([sum(parts)])[0]) / grid.cell_points
 
 

@@ -45,8 +45,8 @@ WITH_ATTRACTION = 2.5
 
 
 class Outcome(NamedTuple):
-    """How a load has ended: status (see `contact.Contact`), certificate of the final gap, whose
-    pressure is the solver's p, and the FFT pairs of certificates and stabilities.
+    """How a load has ended: status (see `contact.Contact`), certificate of the solver's state, and
+    the FFT pairs of certificates and stabilities.
     """
 
     status: str
@@ -70,7 +70,7 @@ def drive(
     saddles; `certificate` is that of the start, if it may be accurate enough. The solver's state
     becomes the solution.
     """
-    loop = Loop(solver, criterion, watch, target or Target(solver.p0), guard)
+    loop = Loop(solver, criterion, watch, target or Target(solver.state.p0), guard)
     outcome = None if certificate is None else loop.begin_with(certificate)
     while outcome is None:
         outcome = loop.iterate()
@@ -96,14 +96,14 @@ class Loop:
         self.guard = guard
         self.limits = Limits(solver, criterion)
         self.pairs = 0.0
-        solver.stability = None  # that of the load before is not that of this one
+        solver.state.stability = None  # that of the load before is not that of this one
 
     def begin_with(self, certificate: Certificate) -> Outcome | None:
         """Return the outcome if the start is the solution, by its certificate; else begin there."""
         error = self.criterion.left(certificate)
         if max(error, self.target.judge(self.solver, certificate)) < 1:
             return self._solved(certificate)
-        self.solver.restart(certificate)
+        self.solver.restart()
         self.target.correct(self.solver, certificate, error < 1)
         return None
 
@@ -172,7 +172,7 @@ class Loop:
                 limits.begin_again()
                 return None
             if guard.at_saddle or not limits.is_stable_enough(solver.progress()):
-                solver.stability = None
+                solver.state.stability = None
                 solver.step()
                 return None
         certificate = self._certificate()
@@ -188,8 +188,8 @@ class Loop:
         if guard is not None and guard.leave_saddle():
             limits.begin_again()
             return None
-        solver.stability = None
-        solver.after_certificate(certificate)
+        solver.state.stability = None
+        solver.after_certificate()
         if self.target.correct(solver, certificate, error < 1):
             limits.begin_again()
         solver.step()
@@ -204,9 +204,7 @@ class Loop:
         """Return the outcome of an accurate state; None if it is a saddle that a spring holds,
         which a search of the stability with an early end may miss.
         """
-        if self.guard is None or self.solver.problem.spring == 0:
-            self.solver.uKu = certificate.uKu  # the next load may go on from here
-        else:
+        if self.guard is not None and self.solver.problem.spring > 0:
             self.pairs += self.guard.look()
             if self.guard.at_saddle:
                 return None
@@ -351,20 +349,17 @@ class Limits:
 
 
 def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
-    """Certify the solver's gap, and overwrite its pressure with the recomputed one. Collective.
+    """Certify the solver's state (operators/state.py: what changes, and what follows). Collective.
 
-    Overwrites the levels, and with `criterion.in_turn` the last step: the solver needs `restart`.
     With `criterion.closes` and all points in contact the errors of area and gap are 0.
     """
     with solver.room() if criterion.in_turn else nullcontext():
         certificate = certify(
             solver.problem_now,
-            solver.g,
-            solver.p,
+            solver.state,
             solver.levels,
             criterion.certificate_dtype,
             criterion.duality,
-            solver.stability,
         )
         if criterion.in_turn:
             solver.grid.forget_fft(criterion.certificate_dtype)

@@ -49,7 +49,7 @@ class Pressure(Target):
         """Press by these rounding errors."""
         missing = self._missing(solver, certificate)
         if missing is not None:
-            solver.continue_at(solver.p0 + missing)
+            solver.continue_at(solver.state.p0 + missing)
         return missing is not None
 
     def _missing(self, solver: Solver, certificate: Certificate) -> float | None:
@@ -59,7 +59,7 @@ class Pressure(Target):
         is_closed = certificate.gap_mean == 0 and certificate.contact < solver.N
         if not is_closed or solver.problem.dtype != np.float64:
             return None
-        tension, rounding = tension_of(solver.grid, solver.p)
+        tension, rounding = tension_of(solver.grid, solver.state.p)
         is_rounding = 0 <= tension <= ROUNDING * solver.problem_now.rounding
         return tension + rounding if is_rounding else None
 
@@ -86,7 +86,7 @@ class Closing(Target):
         is_small = solver.iterations > 0 or lowest <= 2 * rounding
         if coarse or (lowest > 0 and is_small):
             return False
-        more = 0.0 if self.unit is None else self.tolerance / 2 * (solver.p0 - lowest)
+        more = 0.0 if self.unit is None else self.tolerance / 2 * (solver.state.p0 - lowest)
         return self._press(solver, rounding - lowest + more)
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
@@ -96,7 +96,7 @@ class Closing(Target):
     def judge(self, solver: Solver, certificate: Certificate) -> float:
         """Return 0 if all points are closed at the smallest such load, else infinity."""
         lowest, rounding = self._lowest(solver)
-        is_smallest = lowest <= max(2 * rounding, self.tolerance * solver.p0)
+        is_smallest = lowest <= max(2 * rounding, self.tolerance * solver.state.p0)
         return 0.0 if certificate.contact == solver.N and is_smallest else np.inf
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
@@ -108,27 +108,28 @@ class Closing(Target):
 
     def _lowest(self, solver: Solver) -> tuple[float, float]:
         """Return by how much the load is above that of the first open point, and its rounding."""
-        tension, rounding = tension_of(solver.grid, solver.p, self.unit)
+        tension, rounding = tension_of(solver.grid, solver.state.p, self.unit)
         stored = solver.problem_now.rounding if self.unit is not None else 0.0
         return -tension, max(rounding, stored)
 
     def _press(self, solver: Solver, by: float) -> bool:
         """Raise the load, and go to the closed solution there, without an FFT; return True."""
-        rows, points = solver.grid.inside
+        state = solver.state
+        rows, points = state.grid.inside
         by = float(by)
 
         def press(i0: int, i1: int) -> None:
             if self.unit is None:
-                solver.p[i0:i1] += by
+                state.p[i0:i1] += by
                 return
             inner = max(rows - i0, 0)
             more = by * self.unit[i0:i1]
-            solver.p[i0:i1][:inner, :points] += more[:inner, :points]
-            solver.g[i0:i1][:inner, points:] += more[:inner, points:]
-            solver.g[i0:i1][inner:] += more[inner:]
+            state.p[i0:i1][:inner, :points] += more[:inner, :points]
+            state.g[i0:i1][:inner, points:] += more[:inner, points:]
+            state.g[i0:i1][inner:] += more[inner:]
 
-        solver.p0 += by
-        solver.grid.by_rows(press)
+        state.p0 += by
+        state.grid.by_rows(press)
         solver.restart()
         return True
 

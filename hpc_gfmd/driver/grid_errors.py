@@ -35,18 +35,19 @@ def coarser_contacts(
     """Return the solver's state (dents as a gap of 0) and those of coarser grids, in the unit of a
     grid whose spacing is 1/scale of the solver's. Collective.
     """
-    grid = solver.problem.grid
+    state = solver.state
+    grid = state.grid
     rows, points = grid.inside
 
     def of_rows(i0: int, i1: int) -> tuple[float, float]:
         """Return the sum of the gap and the largest pressure."""
-        gap = np.maximum(solver.g[i0:i1, :points], 0).sum(dtype=np.float64)
-        return float(gap), float(solver.p[i0:i1, :points].max(initial=0.0))
+        gap = np.maximum(state.g[i0:i1, :points], 0).sum(dtype=np.float64)
+        return float(gap), float(state.p[i0:i1, :points].max(initial=0.0))
 
     parts = grid.by_rows(of_rows, rows)
     (gap,) = grid.comm.sum([sum(part[0] for part in parts)])
     (largest,) = grid.comm.max([max((part[1] for part in parts), default=0.0)])
-    present = CoarseContact(float(solver.p0), float(gap) / grid.N, float(largest))
+    present = CoarseContact(float(state.p0), float(gap) / grid.N, float(largest))
     return [contact._replace(gap_mean=contact.gap_mean * scale) for contact in (present, *coarser)]
 
 

@@ -99,7 +99,7 @@ class Held(Target):
         """Store the solver's p0; return the miss over the tolerance less the gap's certified error
         (a tenth is left at least): met below 1.
         """
-        self.p0 = solver.p0
+        self.p0 = solver.state.p0
         error = certificate.errors[1] * certificate.gap_mean / self.unit
         room = max(self.tolerance - error, 0.1 * self.tolerance)
         missed = abs(self._value(certificate) - self.target) / self.unit / room
@@ -167,10 +167,10 @@ class Held(Target):
             return False
         self._end += step
         if gap is None:
-            solver.continue_at(solver.p0 + step)
+            solver.continue_at(solver.state.p0 + step)
         else:
             solver.hold(self._stiffness)
-            solver.p0 = self._p0_at_start + step
+            solver.state.p0 = self._p0_at_start + step
             solver.start(gap)
         return True
 

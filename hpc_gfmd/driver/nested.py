@@ -236,8 +236,8 @@ def _prolong(
         return out
     u = p = np.empty((0, step.n[1]), problem.dtype)
     if solver is not None and coarse is not None:
-        u = solver.g
-        p = solver.p
+        u = solver.state.g
+        p = solver.state.p
         grid = coarse.grid
         h = coarse.heights
         scale = real(grid.a / fine.a)

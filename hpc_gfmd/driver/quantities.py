@@ -110,8 +110,8 @@ class Approach(Root):
         """Of the present displacement, not of the converged one."""
         grid = solver.grid
         share = grid.N / grid.cell_points
-        (total_gap,) = grid.comm.sum([solver.g.sum(dtype=float)])
-        uniform = solver.p_cell / solver.elastic.multipliers.uniform
+        (total_gap,) = grid.comm.sum([solver.state.g.sum(dtype=float)])
+        uniform = solver.state.p_cell / solver.elastic.multipliers.uniform
         y = (uniform - total_gap / grid.cell_points) * grid.a
         y += self.heights.top * share - self.heights.lowest * (1 - share)
         assert progress.estimate is not None
@@ -219,13 +219,14 @@ class Area(Root):
         """Return the changes of pressure with which these numbers of points touch: p opens a point,
         gap over compliance closes it.
         """
+        state = solver.state
         real = solver.problem.dtype.type
         stiffness = real(solver.problem.body.scale(solver.grid))
         points = solver.grid.inside[1]
 
         def change(i0: int, i1: int) -> np.ndarray:
-            g = solver.g[i0:i1, :points]
-            return np.where(g > 0, g * stiffness, -solver.p[i0:i1, :points])
+            g = state.g[i0:i1, :points]
+            return np.where(g > 0, g * stiffness, -state.p[i0:i1, :points])
 
         return [float(nth_smallest(solver.grid, change, rank)) for rank in ranks]
 
@@ -279,7 +280,7 @@ class Area(Root):
         if self.x not in (self.low.x, self.high.x):
             return 0.0
         eps = float(np.finfo(np.float64).eps)
-        self.rounding = ROUNDING * max(solver.problem_now.rounding, eps * solver.p0)
+        self.rounding = ROUNDING * max(solver.problem_now.rounding, eps * solver.state.p0)
         apart = self.p0_of(self.high.x) - self.p0_of(self.low.x)
         if apart > self.rounding:
             ends = round(self.low.value * solver.N) + 1, round(self.high.value * solver.N)

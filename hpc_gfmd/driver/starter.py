@@ -85,7 +85,7 @@ class Starter:
 
     def gap_in(self, dtype: np.dtype) -> np.ndarray | None:
         """Drop the solver, and return its gap in another precision; None without a solver."""
-        gap = None if self.solver is None else self.solver.g.astype(dtype)
+        gap = None if self.solver is None else self.solver.state.g.astype(dtype)
         self.forget()
         return gap
 
@@ -164,7 +164,7 @@ class Starter:
         if not nested.is_coarsest or start.gap is None:
             return start._replace(coarser=())
         rough = roughly_solved(bare, self._make, start.gap, WITHOUT_ATTRACTION, Target(problem.p0))
-        return Candidate(rough.g, start.pairs + rough.pairs)
+        return Candidate(rough.state.g, start.pairs + rough.pairs)
 
     def follows(self, load: Load) -> bool:
         """Return whether a load starts from the one before, or goes on in double: if close, on
@@ -175,7 +175,7 @@ class Starter:
             return True
         if self.solver is None or load.closes:
             return False
-        before = self.solver.p0
+        before = self.solver.state.p0
         model = self.working.model
         if model.attraction is not None:
             if not goes_on(model.branch, load.p0, before):
@@ -223,8 +223,7 @@ class Starter:
             certificate, neglected = certify_pressure(
                 solver.problem_now,
                 solved.part,
-                solver.g,
-                solver.p,
+                solver.state,
                 solver.levels,
                 criterion.certificate_dtype,
                 criterion.duality,
@@ -234,7 +233,7 @@ class Starter:
             if penetrating is None:
                 coarser = solved.coarser_of_surface(certificate.gap_mean, best.coarser)
                 if neglected > NEGLECTED * criterion.tolerance:
-                    certificate = _certified(solver, criterion, solver.g)
+                    certificate = _certified(solver, criterion, solver.state.g)
                     pairs += certificate.pairs
                 return Start(solver, criterion, pairs, coarser, certificate)
             touching = box.touching.joined(penetrating)
@@ -275,7 +274,7 @@ class Starter:
         if self.solver is None:
             self.solver = self._make(problem, gap)
         self.solver.reset_counts()
-        self.solver.p0 = problem.p0
+        self.solver.state.p0 = problem.p0
         return self.solver, self._criterion_for(self.solver, load.closes)
 
     def _criterion_for(self, solver: Solver, closes: bool = False) -> StoppingCriterion:
@@ -305,20 +304,20 @@ def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> 
         solver.start(gap)
         return 0.0
     certificate = _certified(solver, replace(criterion, duality=False), gap)
-    solver.restart(certificate)
+    solver.restart()
     return certificate.pairs
 
 
 def _certified(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> Certificate:
     """Certify a starting gap, at which the solver then has to begin. Collective."""
-    if gap is not solver.g:
-        solver.g[...] = gap
+    if gap is not solver.state.g:
+        solver.state.g[...] = gap
     return certificate_of(solver, criterion)
 
 
 def _penetrates(solver: Solver, i0: int, i1: int) -> np.ndarray:
     """Return which points of some local rows of the surface penetrate the wall."""
-    return solver.g[i0:i1, : solver.grid.inside[1]] < 0
+    return solver.state.g[i0:i1, : solver.grid.inside[1]] < 0
 
 
 def _is_worse_than_undeformed(solver: Solver) -> bool:
@@ -327,5 +326,5 @@ def _is_worse_than_undeformed(solver: Solver) -> bool:
     """
     if solver.grid.padded:
         return False
-    undeformed = solver.p_cell * solver.N * solver.problem.root_mean_square
-    return 0.5 * solver.uKu > WORSE_THAN_UNDEFORMED * undeformed
+    undeformed = solver.state.p_cell * solver.N * solver.problem.root_mean_square
+    return 0.5 * solver.state.uKu > WORSE_THAN_UNDEFORMED * undeformed

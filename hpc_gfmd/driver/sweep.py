@@ -244,9 +244,7 @@ class Sweep:
         contact = contact_of(
             working,
             load,
-            solver.p0,
-            solver.g,
-            solver.p,
+            solver.state,
             self._status_of(outcome, load),
             outcome.certificate,
             iterations=solver.iterations,
@@ -321,7 +319,7 @@ class Sweep:
         if unfinished is not None:
             gap, p0 = unfinished.gap, unfinished.p_mean / working.pressure_unit
         elif self.model.follows and solver is not None:
-            gap, p0 = solver.g.copy(), solver.p0
+            gap, p0 = solver.state.g.copy(), solver.state.p0
         else:
             bare = self._on_same_surface(self.model.without_attraction)
             start = bare.solve(load, self._raise_if_stopped)

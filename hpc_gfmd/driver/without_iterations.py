@@ -11,6 +11,7 @@ import numpy as np
 
 from ..certificate.certificate import Certificate
 from ..contact.contact import Contact
+from ..operators.state import State
 from .nested import undeformed_gap
 
 if TYPE_CHECKING:
@@ -23,22 +24,20 @@ EXACT = (0.0, 0.0, 0.0)  # errors of area, mean gap and pressure
 def contact_of(
     working: WorkingSurface,
     load: Load,
-    p0: float,
-    g: np.ndarray,
-    p: np.ndarray,
+    state: State,
     status: str,
     certificate: Certificate,
     iterations: int = 0,
     pairs: float = 0.0,
 ) -> Contact:
-    """Assemble the Contact of a solved load, without copies; p0: in the program's unit."""
+    """Assemble the Contact of a solved load, with the arrays of the state."""
     model = working.model
     return Contact(
         working.surface,
         model.E_star,
-        load.value if load.is_pressure else p0 * working.pressure_unit,
-        g,
-        p,
+        load.value if load.is_pressure else state.p0 * working.pressure_unit,
+        state.g,
+        state.p,
         status,
         certificate,
         accuracy=working.settings.tolerance,
@@ -57,12 +56,12 @@ def flat_contact(working: WorkingSurface, load: Load) -> Contact:
     grid = working.surface.grid
     g = np.zeros_like(working.surface.gap)
     p0 = load.value / working.model.E_star
-    p = np.full_like(g, p0)
+    state = State(grid, g, np.full_like(g, p0), p0)
     certificate = Certificate(contact=grid.N, errors=EXACT, duality_gap=0.0)
     uniform = float(working.model.body.stiffness(np.zeros(1), grid.a)[0])
     if uniform > 0:  # a layer is compressed as a whole
         certificate = replace(certificate, energy=0.5 * p0**2 / uniform, approach=p0 / uniform)
-    return contact_of(working, load, load.value, g, p, "converged", certificate)
+    return contact_of(working, load, state, "converged", certificate)
 
 
 def unloaded_contact(working: WorkingSurface, load: Load, apart: float) -> Contact:
@@ -73,8 +72,8 @@ def unloaded_contact(working: WorkingSurface, load: Load, apart: float) -> Conta
     gap_mean = working.heights.top / surface.grid.a + apart
     certificate = Certificate(errors=EXACT, gap_mean=gap_mean, approach=-apart)
     no_load = replace(load, quantity="pressure", value=0.0)
-    p = np.zeros_like(g)
-    return contact_of(working, no_load, 0.0, g, p, "converged", certificate)
+    state = State(surface.grid, g, np.zeros_like(g), 0.0)
+    return contact_of(working, no_load, state, "converged", certificate)
 
 
 def separated_contact(
@@ -85,6 +84,5 @@ def separated_contact(
     """
     g = undeformed_gap(working.problem(load.p0))
     certificate = Certificate(errors=EXACT, gap_mean=np.nan)
-    p = np.zeros_like(g)
-    p0 = load.p0 if load.is_pressure else 0.0
-    return contact_of(working, load, p0, g, p, "separated", certificate, iterations, pairs)
+    state = State(working.surface.grid, g, np.zeros_like(g), load.p0 if load.is_pressure else 0.0)
+    return contact_of(working, load, state, "separated", certificate, iterations, pairs)

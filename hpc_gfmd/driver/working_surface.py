@@ -116,7 +116,7 @@ class WorkingSurface:
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
         """Return an array that the starting gap may overwrite, the solver's gap, or None."""
-        return None if solver is None else solver.g
+        return None if solver is None else solver.state.g
 
     def nested(self) -> Nested:
         """Return the coarser grids, made at the first call. Collective."""

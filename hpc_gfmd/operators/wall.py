@@ -20,6 +20,7 @@ from .selection import nth_smallest
 
 if TYPE_CHECKING:
     from .problem import Problem
+    from .state import State
 
 # A step is made shorter only below this: clipped points stay a little open then. Measured: alike
 # from .9 to .95, 6 to 7 % more pairs at .8 and at 1
@@ -45,8 +46,9 @@ class Wall:
         self.limit = problem.limit
         self.law = problem.law()
 
-    def project(self, g: np.ndarray) -> float:
+    def project(self, state: State) -> float:
         """Set the gap to 0 where it is below; return the largest penetration before."""
+        g = state.g
         rows, points = self.grid.inside
 
         def lift(i0: int, i1: int) -> float:
@@ -60,20 +62,20 @@ class Wall:
         (deepest,) = self.grid.comm.max([max(self.grid.by_rows(lift, rows), default=0.0)])
         return float(deepest)
 
-    def add_traction(self, g: np.ndarray, p: np.ndarray) -> float | None:
-        """Turn the body's pressure into the wall's; return the sum of the attraction, or None."""
-        return None
+    def add_traction(self, state: State) -> bool:
+        """Turn the body's pressure into the wall's; return whether that is another one."""
+        return False
 
     def step_length(self, pd: float, dKd: float, td: float, gained: float) -> float:
         """Return the length <= 1 of least energy; pd, td, gained: of pressure and attraction."""
         optimum = -pd / dKd if dKd > 0 else 1.0
         return optimum if 0 < optimum < SHORT else 1.0
 
-    def lower(self, g: np.ndarray, p: np.ndarray, wall_load: float) -> tuple[float, float | None]:
-        """Lower a body until it touches; return by how much, and the attraction if p changed."""
-        by = self._lowest(g)
-        g -= self.problem.dtype.type(by)
-        return by, None
+    def lower(self, state: State) -> tuple[float, bool]:
+        """Lower a body until it touches; return by how much, and whether the pressure changed."""
+        by = self._lowest(state.g)
+        state.g -= self.problem.dtype.type(by)
+        return by, False
 
     def _lowest(self, g: np.ndarray) -> float:
         """Return the smallest gap on the surface; 0 if below 0, or if a spring holds the body."""
@@ -85,13 +87,11 @@ class Wall:
         """Return whether bodies that do not touch have come apart for good."""
         return False
 
-    def dent(self, p0: float, p_cell: float, g: np.ndarray, p: np.ndarray, uKu: float) -> bool:
+    def dent(self, state: State) -> bool:
         """Replace a state by a rigid body that dents the wall, if that has less energy."""
         return False
 
-    def balance(
-        self, p0: float, g: np.ndarray, contact: float, yielded: float, descent: float
-    ) -> bool:
+    def balance(self, state: State, contact: float, yielded: float, descent: float) -> bool:
         """Shift the gap by a constant, if too few touch or too many yield to carry p0 and if that
         gains more than `descent`; return whether.
         """
@@ -117,7 +117,7 @@ class HardWall(Wall):
         super().__init__(problem)
         self.hardness = float(problem.hardness or inf)
 
-    def project(self, g: np.ndarray) -> float:
+    def project(self, state: State) -> float:
         return 0.0  # every displacement is feasible
 
     def points_to_carry(self, p0: float) -> int:
@@ -125,17 +125,18 @@ class HardWall(Wall):
         N = self.grid.N
         return min(max(int(np.ceil(N * p0 / self.hardness)), 1), N)
 
-    def dent(self, p0: float, p_cell: float, g: np.ndarray, p: np.ndarray, uKu: float) -> bool:
+    def dent(self, state: State) -> bool:
         """Replace a state by a rigid body that dents the wall, if of less energy: starts without a
-        hardness have pressures far beyond. False without stored heights. p0: over the surface,
-        p_cell: over the grid.
+        hardness have pressures far beyond. False without stored heights.
         """
         h = self.problem.stored
         if h is None:
             return False
         grid = self.grid
+        g = state.g
+        p_cell = state.p_cell
         rows, points = grid.inside
-        level = nth_smallest(grid, lambda i0, i1: h[i0:i1], self.points_to_carry(p0))
+        level = nth_smallest(grid, lambda i0, i1: h[i0:i1], self.points_to_carry(state.p0))
 
         def sums(i0: int, i1: int) -> tuple[float, float, float]:
             inner = max(min(i1, rows) - i0, 0)
@@ -145,8 +146,8 @@ class HardWall(Wall):
             return g[i0:i1].sum(dtype=float) - heights.sum(dtype=float), dents, rigid_dents
 
         u, dents, rigid_dents = grid.comm.sum(added(grid.by_rows(sums), 3)).tolist()
-        energy = 0.5 * uKu + p_cell * u + self.hardness * dents
-        rigid_energy = -grid.N * p0 * float(level) + self.hardness * rigid_dents
+        energy = 0.5 * state.uKu + p_cell * u + self.hardness * dents
+        rigid_energy = -grid.N * state.p0 * float(level) + self.hardness * rigid_dents
         if not rigid_energy < energy:
             return False
 
@@ -154,25 +155,26 @@ class HardWall(Wall):
             inner = max(min(i1, rows) - i0, 0)
             g[i0:i1] = -level
             g[i0 : i0 + inner, :points] += h[i0 : i0 + inner]
-            p[i0:i1] = p_cell
+            state.p[i0:i1] = p_cell
 
         grid.by_rows(lay)
+        state.uKu = 0.0
         return True
 
-    def balance(
-        self, p0: float, g: np.ndarray, contact: float, yielded: float, descent: float
-    ) -> bool:
+    def balance(self, state: State, contact: float, yielded: float, descent: float) -> bool:
         grid = self.grid
-        if self.hardness * yielded <= grid.N * p0 <= self.hardness * contact:
+        g = state.g
+        load = grid.N * state.p0
+        if self.hardness * yielded <= load <= self.hardness * contact:
             return False
-        shift = nth_smallest(grid, lambda i0, i1: g[i0:i1], self.points_to_carry(p0))
+        shift = nth_smallest(grid, lambda i0, i1: g[i0:i1], self.points_to_carry(state.p0))
         rows, points = grid.inside
 
         def depths(i0: int, i1: int) -> tuple[float, float]:
             return depths_below(g[i0:i1], (i1 - i0, points), shift)
 
         before, after = grid.comm.sum(added(grid.by_rows(depths, rows), 2)).tolist()
-        gain = grid.N * p0 * float(shift) - self.hardness * (after - before)
+        gain = load * float(shift) - self.hardness * (after - before)
         if not gain > descent:
             return False
 
@@ -197,12 +199,12 @@ class HardWall(Wall):
 class AdhesiveWall(Wall):
     """A wall that attracts by a law phi(g): its pressure is that of the body plus t = phi'(g)."""
 
-    def add_traction(self, g: np.ndarray, p: np.ndarray) -> float | None:
+    def add_traction(self, state: State) -> bool:
         def add(i0: int, i1: int) -> tuple[float, float]:
-            return add_attraction(self.law, g, p[i0:i1], i0, i1, self.grid.inside)
+            return add_attraction(self.law, state.g, state.p[i0:i1], i0, i1, self.grid.inside)
 
-        t, _ = self.grid.comm.sum(added(self.grid.by_rows(add), 2)).tolist()
-        return float(t)
+        state.attracted, _ = self.grid.comm.sum(added(self.grid.by_rows(add), 2)).tolist()
+        return True
 
     def step_length(self, pd: float, dKd: float, td: float, gained: float) -> float:
         """Return 1 if the known energy there is below the least of its frozen majorant."""
@@ -210,17 +212,18 @@ class AdhesiveWall(Wall):
         whole = pd + 0.5 * dKd + gained - td
         return 1.0 if length < 1 and whole <= 0.5 * pd * length else length
 
-    def lower(self, g: np.ndarray, p: np.ndarray, wall_load: float) -> tuple[float, float | None]:
+    def lower(self, state: State) -> tuple[float, bool]:
         """Nothing if the load pulls the body off the wall."""
-        lowest = self._lowest(g) if wall_load > 0 else 0.0
+        lowest = self._lowest(state.g) if state.wall_load > 0 else 0.0
         if lowest == 0:
-            return 0.0, None
+            return 0.0, False
         by = self.problem.dtype.type(lowest)
 
         def shift(i0: int, i1: int) -> float:
-            return shift_gap(self.law, g, p, by, i0, i1, self.grid.inside)
+            return shift_gap(self.law, state.g, state.p, by, i0, i1, self.grid.inside)
 
-        return lowest, float(self.grid.comm.sum([sum(self.grid.by_rows(shift))])[0])
+        state.attracted = float(self.grid.comm.sum([sum(self.grid.by_rows(shift))])[0])
+        return lowest, True
 
     def has_let_go(self, wall_load: float) -> bool:
         """The load pulls at least as hard as the attraction, and a spring is nearly at rest."""

@@ -1,9 +1,9 @@
 """What a solver is.
 
 A solver allocates everything in __init__(problem, options), begins with `start(g)`, later perhaps
-with `continue_at(p0)`, and then does one step at a time. It owns the gap g and the pressure p
-(local slabs). After every step `progress()` measures how far it is from the solution. When to stop,
-files and clocks are not its business: that is `drive.py`.
+with `continue_at(p0)`, and then does one step at a time, which improves its `state`
+(operators/state.py). After every step `progress()` measures how far it is from the solution. When
+to stop, files and clocks are not its business: that is `drive.py`.
 """
 
 from __future__ import annotations
@@ -17,13 +17,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..operators.elastic import Elastic
+from ..operators.state import State
 from ..operators.wall import wall_of
 from .options import read_options
 
 if TYPE_CHECKING:
-    from ..certificate.certificate import Certificate
     from ..certificate.error_estimates import Estimate
-    from ..certificate.stability import Stability
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
 
@@ -69,7 +68,7 @@ class Progress:
 
 
 class Solver:
-    """Base class of all solvers: a state (gap and pressure) and the steps that improve it.
+    """Base class of all solvers: a state and the steps that improve it.
 
     To add a solver, put a file into solvers/ with a subclass whose `name` is that of the file. It
     implements `start`, `restart`, `step` and `progress`. Creating a solver and calling its methods
@@ -92,24 +91,16 @@ class Solver:
 
     Attributes
     ----------
-    g, p : array, local slabs
-        Gap (below 0 in dents, 0 or more elsewhere) and pressure, in the problem's units and
-        precision. With an attraction p is the pressure of the wall.
-    p0 : float
-        The present mean pressure over the surface, in the problem's units.
+    state : State
+        Gap, pressure and load, in the problem's units and precision.
     iterations : int
         Number of steps since the load began.
-    uKu : float
-        <u, K u> of the state at the last start or `restart`, over all ranks; bpx updates it in
-        every step.
     N : int
         Number of points of the surface.
     wall : Wall
         What the wall allows and bears.
     elastic : Elastic
         Applies K; has the transforms, and counts their pairs.
-    stability : Stability or None
-        Stability of the present state with an attraction; the loop sets it, None while unknown.
     patience : int
         Iterations without progress after which the loop counts the solver as stagnated.
     dents, attracts : bool
@@ -127,12 +118,10 @@ class Solver:
     d: np.ndarray
     name = ""
     sources: tuple[str, ...] = ()
-    uKu: float
     allowed: Mapping[str, tuple[float, float]] = {}
     dents = False
     attracts = False
     goes_ahead = False
-    stability: Stability | None = None
     patience = 60
 
     def __init__(
@@ -142,12 +131,12 @@ class Solver:
         self.problem = problem
         self.wall = wall_of(problem)
         self.grid = problem.grid
-        self.p0 = float(problem.p0)
         self.N = problem.grid.N
         self.iterations = 0
         self.elastic = Elastic(self.grid, problem.body, problem.dtype)
-        self.g = self.grid.empty(problem.dtype) if g is None else g
-        self.p = self.grid.empty(problem.dtype)
+        g = self.grid.empty(problem.dtype) if g is None else g
+        p = self.grid.empty(problem.dtype)
+        self.state = State(self.grid, g, p, float(problem.p0))
 
     @property
     def pairs(self) -> float:
@@ -169,25 +158,16 @@ class Solver:
     @property
     def problem_now(self) -> Problem:
         """A copy of the problem at the present p0 with the same heights. Collective at first."""
-        return replace(self.problem, p0=self.p0, h_rms=self.problem.root_mean_square)
-
-    @property
-    def wall_load(self) -> float:
-        """Mean pressure that the wall bears over the surface: p0 here, without an attraction."""
-        return self.p0
-
-    @property
-    def p_cell(self) -> float:
-        """Mean pressure over the whole grid, padding included, at the present p0."""
-        return self.p0 * (self.grid.N / self.grid.cell_points)
+        return replace(self.problem, p0=self.state.p0, h_rms=self.problem.root_mean_square)
 
     def start(self, g: np.ndarray) -> None:
-        """Begin at a gap and the present p0: set self.g, self.p and self.uKu. Takes one FFT pair.
+        """Begin at a gap and the present p0: set gap, pressure, <u, K u> and attraction. Takes
+        one FFT pair.
 
         Parameters
         ----------
         g : array, local slab
-            The gap, >= 0. It is copied into `self.g`, unless it is that array.
+            The gap, >= 0. It is copied into that of the state, unless it is the same array.
         """
         raise NotImplementedError
 
@@ -197,12 +177,13 @@ class Solver:
         The pressure changes by a constant; then `restart` forgets the last step. With a hardness
         bpx may also move or dent the body as a whole.
         """
-        before = self.p_cell
-        self.p0 = float(p0)
-        change = self.problem.dtype.type(self.p_cell - before)
+        state = self.state
+        before = state.p_cell
+        state.p0 = float(p0)
+        change = self.problem.dtype.type(state.p_cell - before)
 
         def shift(i0: int, i1: int) -> None:
-            self.p[i0:i1] += change
+            state.p[i0:i1] += change
 
         self.grid.by_rows(shift)
         self.restart()
@@ -213,33 +194,28 @@ class Solver:
         self.wall = wall_of(self.problem)
 
     def _lay(self, g: np.ndarray) -> None:
-        """Copy g into self.g, and set self.d to 0 and self.p to the constant `p_cell`."""
+        """Copy g into the state, set its pressure to the constant `p_cell`, and self.d to 0."""
+        state = self.state
 
         def lay(i0: int, i1: int) -> None:
-            if g is not self.g:
-                self.g[i0:i1] = g[i0:i1]
-            self.p[i0:i1] = self.p_cell
+            if g is not state.g:
+                state.g[i0:i1] = g[i0:i1]
+            state.p[i0:i1] = state.p_cell
             self.d[i0:i1] = 0
 
         self.grid.by_rows(lay)
 
-    def restart(self, certificate: Certificate | None = None) -> None:
-        """Compute all sums of the state again from self.g and self.p, and forget the last step.
+    def restart(self) -> None:
+        """Begin again at the state, and forget the last step.
 
-        Call it after other code has overwritten g, p or the fields of self.levels. Takes no FFT,
-        apart from the gap mode of bpx; with a hardness bpx may change g and p, too.
-
-        Parameters
-        ----------
-        certificate : Certificate, optional
-            One that has just computed p from g: its <u, K u> and attraction are those of the state.
-            Without it those of `self` stay.
+        Call it after other code has changed the state or the fields of self.levels. Takes no FFT,
+        apart from the gap mode of bpx; with a hardness bpx may change the state, too.
         """
         raise NotImplementedError
 
-    def after_certificate(self, certificate: Certificate) -> None:
-        """Prepare the next step after a certificate was refused; by default restart with it."""
-        self.restart(certificate)
+    def after_certificate(self) -> None:
+        """Prepare the next step after a certificate was refused; by default restart."""
+        self.restart()
 
     @property
     def is_separated(self) -> bool:
@@ -252,24 +228,24 @@ class Solver:
 
     def room(self) -> AbstractContextManager[None]:
         """Free the memory of the transforms and of the last step within a block, after which
-        `restart` has to be called. Gap and pressure stay. Only bpx implements it.
+        `restart` has to be called. The state stays. Only bpx implements it.
         """
         raise NotImplementedError
 
     def step(self) -> None:
-        """Make one iteration: update self.g and self.p in place, and add 1 to `iterations`."""
+        """Make one iteration: change the state, and add 1 to `iterations`."""
         raise NotImplementedError
 
     def step_ahead(self) -> None:
         """Make the next step of the gap alone, counted; only for solvers with `goes_ahead`.
 
-        A certificate then computes p there, so that both take one FFT pair; call `restart` or
-        `after_certificate` before the next step.
+        A certificate then computes the pressure there, so that both take one FFT pair; call
+        `restart` or `after_certificate` before the next step.
         """
         raise NotImplementedError
 
     def progress(self, with_errors: bool = True) -> Progress:
-        """Return how far the present state is from the solution. Gap and pressure stay.
+        """Return how far the state is from the solution; the state stays.
 
         Parameters
         ----------
@@ -284,22 +260,23 @@ class Solver:
         raise NotImplementedError
 
     def estimate_errors(self) -> Estimate:
-        """Estimate what a certificate would find, from g and p, by a sweep of the levels alone.
+        """Estimate what a certificate would find, by a sweep of the levels alone.
 
         For solvers whose steps do not compute these sums; without an attraction, with stored
         heights. Overwrites the fields of self.levels.
         """
-        from ..certificate.error_estimates import State, estimate
+        from ..certificate.error_estimates import StateSums, estimate
 
-        sums = self.levels.restrict(self.g, self.p, self.wall.limit)
+        state = self.state
+        sums = self.levels.restrict(state.g, state.p, self.wall.limit)
         level_sums = self.levels.sweep()
         uKu = sum(self.grid.by_rows(self._work_of_pressure))
         count = len(sums)
         totals = self.grid.comm.sum([*sums, *level_sums, uKu]).tolist()
         totals_of_points = type(sums)(*totals[:count])
         _, _, mean, *products, uKu = totals[count:]
-        state = State(
-            self.p0,
+        of_state = StateSums(
+            state.p0,
             mean * self.grid.cell_points,
             totals_of_points.rr,
             totals_of_points.pp - totals_of_points.rr,
@@ -309,15 +286,16 @@ class Solver:
             uKu,
             products,
         )
-        return estimate(self.problem, self.levels, self.g, state)
+        return estimate(self.problem, self.levels, state.g, of_state)
 
     def _work_of_pressure(self, i0: int, i1: int) -> float:
         """Return the share of local rows i0 <= i < i1 in <u, K u>, without an attraction."""
+        state = self.state
         rows, points = self.grid.inside
-        u = self.g[i0:i1].astype(np.float64)
+        u = state.g[i0:i1].astype(np.float64)
         inner = max(min(rows, i1) - i0, 0)
         u[:inner, :points] -= self.problem.heights[i0 : i0 + inner]
-        return float(np.vdot(u, self.p[i0:i1].astype(np.float64) - self.p_cell))
+        return float(np.vdot(u, state.p[i0:i1].astype(np.float64) - state.p_cell))
 
     def expected_area(self, estimate: Estimate) -> float:
         """Return the relative error of the area that a certificate would probably find, or 0."""

@@ -20,8 +20,7 @@ from math import isfinite, sqrt
 
 import numpy as np
 
-from ..certificate.certificate import Certificate
-from ..certificate.error_estimates import Estimate, State, estimate, relative_error
+from ..certificate.error_estimates import Estimate, StateSums, estimate, relative_error
 from ..certificate.misclassified import misclassified_points, moments_of_open, spread_of
 from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, add_step, search_passes
@@ -45,8 +44,7 @@ class Bpx(Solver):
     d: last step of the gap, as in kernels/bfloat16.py, of which the share s was made; rr, pp: <r,
     r>, <p, p>, r being p out of elastic contact (less the hardness where points yield), else 0;
     mean: of r over the grid; rz, rd, zKd, dKd: products of r, z = M r and s d; rayleigh: <z, K
-    z>/<r, z> of the last step; attracted: sum of the attraction; level_sums: last five sums of
-    Multilevel.sweep. All over all ranks.
+    z>/<r, z> of the last step; level_sums: last five sums of Multilevel.sweep. All over all ranks.
     """
 
     name = "bpx"
@@ -62,7 +60,6 @@ class Bpx(Solver):
         self.levels = Multilevel(self.grid, problem.body, problem.dtype, self.elastic.fft.R)
         self.d = self.grid.empty(stored_dtype(problem.dtype))
         self.compliance = float(1.0 / problem.body.scale(self.grid))  # of the shortest wave
-        self.attracted = 0.0  # sum of the attraction over all points
 
     @cached_property
     def gradient(self) -> float:
@@ -86,49 +83,42 @@ class Bpx(Solver):
         with a hardness the body may move or dent. Collective.
         """
         self._lay(g)
-        self.problem.transform_displacement(self.elastic.fft, self.g)
+        state = self.state
+        self.problem.transform_displacement(self.elastic.fft, state.g)
         uKu = self.elastic.columns(add=self.problem.adder(self.elastic.fft))
-        self.uKu = float(self.grid.comm.sum([uKu])[0])
+        state.uKu = float(self.grid.comm.sum([uKu])[0])
         # the rows are those of K u: no step has changed the attraction
         limit = self.wall.limit
         self.elastic.pairs += 1
-        sums = self.levels.update(self.g, self.p, self.d, 1.0, self.elastic.fft.rows, limit)
-        attracted = self.wall.add_traction(self.g, self.p)
-        if attracted is not None:
-            self.attracted = attracted
-            sums = self.levels.restrict(self.g, self.p, limit)
+        sums = self.levels.update(state.g, state.p, self.d, 1.0, self.elastic.fft.rows, limit)
+        if self.wall.add_traction(state):
+            sums = self._restrict()
         self._begin(sums)
 
-    def restart(self, certificate: Certificate | None = None) -> None:
-        """Forget the last step and begin again at g and p, without an FFT but for the gap mode.
-        Collective. With an attraction the caller has set `self.attracted`, unless there is a
-        certificate.
+    def restart(self) -> None:
+        """Forget the last step and begin again at the state, without an FFT but for the gap mode.
+        Collective.
         """
-        if certificate is not None:
-            self.uKu = certificate.uKu
-            self.attracted = certificate.attraction * self.N
         self.d[...] = 0
-        self._begin(self.levels.restrict(self.g, self.p, self.wall.limit))
+        self._begin(self._restrict())
 
     def after_stability(self) -> None:
         """Compute z on the coarse levels again, after `stability_of`; keep the last step."""
-        self.levels.restrict(self.g, self.p, self.wall.limit)
+        self._restrict()
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
         """Begin a new descent without a last step. Collective; the gap mode may take FFT pairs.
 
-        The caller has set self.d to 0, self.uKu and self.attracted to the state's, and put it on
-        the levels (`levels.update` or `restrict`), which returned `sums` of this rank. With a
-        hardness and no attraction the body may be moved or dented as a whole: then g, p and uKu
-        change.
+        The caller has set self.d to 0 and put the state on the levels (`levels.update` or
+        `restrict`), which returned `sums` of this rank. With a hardness and no attraction the body
+        may be moved or dented as a whole.
         """
         self.s = 1.0
         self.rayleigh = FIRST
         self._measure(sums, new_contact=True)
-        if self.wall.dent(self.p0, self.p_cell, self.g, self.p, self.uKu):
+        if self.wall.dent(self.state):
             self.d[...] = 0
-            self.uKu = 0.0
             self._measure_again()
         a, b = self._coefficients()
         self._balance(0.5 * (a * self.rz + b * self.rd))
@@ -141,6 +131,7 @@ class Bpx(Solver):
         """
         if self.contact == 0:
             self._lower()
+        state = self.state
         a, b, (pd, deeper, td, gained) = self._choose_step()
         spring = self.problem.spring
         dKd = self.elastic.columns(spring=spring)
@@ -149,27 +140,27 @@ class Bpx(Solver):
         before = self.rz, self.zKd, self.dKd
         # with a hardness the elastic contact may have become another one by a plain step
         sums = self._measure(self._update(self.s), new_contact=a == 0 and self.wall.yields)
-        self.attracted = sums.attraction
+        state.attracted = sums.attraction
         self.rayleigh = _rayleigh_quotient(a, b, dKd + sums.stiffening, *before)
         # K u = p - t - p_cell, and pd has the work of dents
-        Kud = pd - td - self.wall.hardness * deeper - self.p_cell * self.grid.cell_points * mean
+        Kud = pd - td - self.wall.hardness * deeper - state.p_cell * self.grid.cell_points * mean
         of_spring = spring * self.grid.cell_points * mean**2
-        self.uKu += 2 * self.s * Kud + self.s**2 * (dKd - of_spring)
-        self.p0 += spring * self.s * mean * (self.grid.cell_points / self.N)
+        state.uKu += 2 * self.s * Kud + self.s**2 * (dKd - of_spring)
+        state.p0 += spring * self.s * mean * (self.grid.cell_points / self.N)
         self._balance(-self.s * (pd + 0.5 * self.s * dKd))
         self.iterations += 1
 
     def step_ahead(self) -> None:
         self._choose_step(transforms=False)
-        self.grid.by_rows(lambda i0, i1: add_step(self.g[i0:i1], self.d[i0:i1]))
+        g = self.state.g
+        self.grid.by_rows(lambda i0, i1: add_step(g[i0:i1], self.d[i0:i1]))
         self.iterations += 1
 
     def _lower(self) -> None:
         """Lower a body until it touches; a new descent begins if p changes. Collective."""
-        by, attracted = self.wall.lower(self.g, self.p, self.wall_load)
+        by, changes_pressure = self.wall.lower(self.state)
         self.gap_mean -= by
-        if attracted is not None:
-            self.attracted = attracted
+        if changes_pressure:
             self.restart()
 
     def _choose_step(self, transforms: bool = True) -> tuple[float, float, list[float]]:
@@ -198,7 +189,7 @@ class Bpx(Solver):
         """Let a wall with a hardness shift the body (HardWall.balance), forgetting the last step;
         `descent`: gained by it. Collective.
         """
-        if self.wall.balance(self.p0, self.g, self.contact, self.yielded, descent):
+        if self.wall.balance(self.state, self.contact, self.yielded, descent):
             self._measure_again()
 
     def _coefficients(self) -> tuple[float, float]:
@@ -230,7 +221,7 @@ class Bpx(Solver):
         fft = self.elastic.fft
         ends = levels.ends
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
-        fields = self.g, self.p, self.d, levels.z, levels.transfers[0].tables
+        fields = self.state.g, self.state.p, self.d, levels.z, levels.transfers[0].tables
         limits = self.wall.limit, self.grid.inside, self.wall.law
         sums = np.zeros((len(ends), 2))
         work = np.zeros((len(ends), 2))
@@ -250,12 +241,16 @@ class Bpx(Solver):
         rank's UpdateSums. Puts r and t on the levels, counts an FFT pair.
         """
         self.elastic.pairs += 1
-        fields = self.g, self.p, self.d, s, self.elastic.fft.rows, self.wall.limit
+        fields = self.state.g, self.state.p, self.d, s, self.elastic.fft.rows, self.wall.limit
         return self.levels.update(*fields, law=self.wall.law)
 
+    def _restrict(self) -> UpdateSums:
+        """Put r and t of the state on the levels; return this rank's UpdateSums."""
+        return self.levels.restrict(self.state.g, self.state.p, self.wall.limit)
+
     def _measure_again(self) -> None:
-        """Put the present state on the levels and measure it, with a new contact. Collective."""
-        self._measure(self.levels.restrict(self.g, self.p, self.wall.limit), new_contact=True)
+        """Put the state on the levels and measure it, with a new contact. Collective."""
+        self._measure(self._restrict(), new_contact=True)
 
     def _measure(self, sums: UpdateSums, new_contact: bool = False) -> UpdateSums:
         """Sweep the levels to z, set what the next step and `progress` need, and return sums over
@@ -286,25 +281,15 @@ class Bpx(Solver):
     # -- how far
 
     @property
-    def wall_load(self) -> float:
-        """Mean pressure that the wall bears over the surface: p0 plus the mean attraction."""
-        return self.p0 + self.attracted / self.N
-
-    @property
     def is_separated(self) -> bool:
         """Whether nothing touches and the wall does not hold the body any more."""
-        return self.contact == 0 and self.wall.has_let_go(self.wall_load)
-
-    @property
-    def _p_cell_of_wall(self) -> float:
-        """Mean of self.p over the whole grid: `p_cell` plus the attraction."""
-        return self.p_cell + self.attracted / self.grid.cell_points
+        return self.contact == 0 and self.wall.has_let_go(self.state.wall_load)
 
     def progress(self, with_errors: bool = True) -> Progress:
         """Return how far the state is from the solution, with estimates after every step."""
         finite = isfinite(self.pp + self.gap_mean)
         # infinite where the attraction pulls more than it holds
-        residual = sqrt(self.rr / self.N) / max(self.wall_load, sys.float_info.min)
+        residual = sqrt(self.rr / self.N) / max(self.state.wall_load, sys.float_info.min)
         if not with_errors:
             return Progress(residual, self.contact, self.gap_mean, None, finite)
         errors = self._estimate() if finite else Estimate()
@@ -313,26 +298,28 @@ class Bpx(Solver):
 
     def _estimate(self) -> Estimate:
         """Estimate a certificate's errors by the last step; blind to accumulated rounding."""
-        state = State(
-            p0=self.wall_load,
+        state = self.state
+        sums = StateSums(
+            p0=state.wall_load,
             open_p=self.mean * self.grid.cell_points,
             open_pp=self.rr,
             closed_pp=self.pp - self.rr,
             contact=self.contact,
             yielded=self.yielded,
             gap=self.gap_mean * self.N,
-            uKu=self.uKu,
+            uKu=state.uKu,
             level_sums=self.level_sums,
         )
-        stability = 1.0 if self.stability is None else self.stability.lowest
-        return estimate(self.problem, self.levels, self.g, state, stability)
+        stability = 1.0 if state.stability is None else state.stability.lowest
+        return estimate(self.problem, self.levels, state.g, sums, stability)
 
     def _predicted(self, errors: Estimate) -> tuple[float, float] | None:
         """Predict contact points and mean gap of the solution, or None: the contact grows in
         proportion until it carries the load (self.mean is missing), the gap changes by the share
         SHIFT of `errors.shift`/N.
         """
-        carried = self._p_cell_of_wall
+        # the mean pressure of the wall over the whole grid
+        carried = self.state.p_cell + self.state.attracted / self.grid.cell_points
         n = self.contact
         load = carried - self.mean
         if n == 0 or load <= 0:
@@ -344,11 +331,10 @@ class Bpx(Solver):
 
     def expected_area(self, estimate: Estimate) -> float:
         """Takes two passes over all points, no FFT."""
-        open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
+        fields = self.state.g, self.state.p
+        open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, *fields))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
-        wrong = misclassified_points(
-            self.problem_now, self.g, self.p, estimate, spread, self.contact
-        )
+        wrong = misclassified_points(self.problem_now, *fields, estimate, spread, self.contact)
         if self.wall.yields and self.contact == self.N and wrong > 0:
             return np.inf  # a point that may be open is a gap that is not known
         return relative_error(wrong, self.contact)

@@ -21,7 +21,6 @@ negative work on the motion, <p, d> > 0, the velocity is dropped.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,9 +29,6 @@ from ..operators.problem import Problem
 from ..parallel.threads import added, on_threads
 from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
-
-if TYPE_CHECKING:
-    from ..certificate.certificate import Certificate
 
 DT = 0.95  # default time step, relative to the stability limit
 UNDERDAMPED = 0.5  # mu over the Rayleigh quotient of the velocity
@@ -67,31 +63,30 @@ class Gfmd(Solver):
     def start(self, g: np.ndarray) -> None:
         """Begin at rest at the gap g >= 0 (local slab, copied): compute p with one FFT pair."""
         self._lay(g)
-        self.problem.transform_displacement(self.elastic.fft, self.g)
+        self.problem.transform_displacement(self.elastic.fft, self.state.g)
         uKu = self.elastic.columns()
-        self.uKu = float(self.grid.comm.sum([uKu])[0])
+        self.state.uKu = float(self.grid.comm.sum([uKu])[0])
         self._measure(self.elastic.use_rows(self._update))
 
-    def restart(self, certificate: Certificate | None = None) -> None:
+    def restart(self) -> None:
         """Set the velocity to 0 and sum up the present g and p again, without an FFT."""
-        if certificate is not None:
-            self.uKu = certificate.uKu
         self.d[...] = 0
         fft = self.elastic.fft
         zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)
         passes = [(i0, i1, zero) for i0, i1 in fft.passes()]
         self._measure(on_threads(self.grid.threads, self._update, passes))
 
-    def after_certificate(self, certificate: Certificate) -> None:
+    def after_certificate(self) -> None:
         """Keep the velocity: a certificate changes p by rounding errors only."""
 
     # -- one time step
 
     def step(self) -> None:
-        """Make one time step, with one FFT pair: update g, p and the velocity d in place."""
+        """Make one time step, with one FFT pair: change the state, and the velocity d in place."""
         a, b = (self.problem.dtype.type(c) for c in self._coefficients())
+        fields = self.state.g, self.state.p, self.d
         self.elastic.pressure_rows(
-            lambda i0, i1, x: verlet_step(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside)
+            lambda i0, i1, x: verlet_step(*fields, x, i0, i1, a, b, self.grid.inside)
         )
         self.elastic.columns()
         self._measure(self.elastic.use_rows(self._update))
@@ -114,8 +109,10 @@ class Gfmd(Solver):
         return a, 0.0 if uphill else ((1 - ratio) / (1 + ratio)) ** 2
 
     def _update(self, i0: int, i1: int, x: np.ndarray) -> tuple[float, ...]:
-        """Add x, rows of K d, to self.p on local rows i0 <= i < i1; return their DynamicsSums."""
-        return update_pressure(self.g, self.p, self.d, x, i0, i1, self.grid.inside)
+        """Add x, rows of K d, to the pressure on local rows i0 <= i < i1; return their
+        DynamicsSums.
+        """
+        return update_pressure(self.state.g, self.state.p, self.d, x, i0, i1, self.grid.inside)
 
     def _measure(self, parts: Sequence[tuple[float, ...]]) -> None:
         """Sum the DynamicsSums of this rank's passes over all ranks, and store them in self."""
@@ -128,7 +125,7 @@ class Gfmd(Solver):
 
     def progress(self, with_errors: bool = True) -> Progress:
         """Return how far the state is from the solution, with estimates after every fourth step."""
-        residual = float(np.sqrt(self.rr / self.N)) / self.p0
+        residual = float(np.sqrt(self.rr / self.N)) / self.state.p0
         finite = bool(np.isfinite(self.pp + self.gap))
         errors = None
         if finite and with_errors and self.iterations % ESTIMATED_EVERY == 0:

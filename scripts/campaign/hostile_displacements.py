@@ -16,6 +16,7 @@ from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.operators.state import State
 from hpc_gfmd.scene import Material, SolverTable
 
 from .registry import FAMILIES, Wall, family, surface_of_wall
@@ -154,7 +155,8 @@ def _largest_accepted(problem, levels, gap, change, accuracy):
         g = (gap + np.exp(middle) * change).astype(problem.dtype)
         p = np.empty_like(g)
         with np.errstate(all="ignore"):
-            found = certify(problem, g, p, levels, np.float64, dual=True)
+            state = State(problem.grid, g, p, problem.p0)
+            found = certify(problem, state, levels, np.float64, dual=True)
         if max(found.errors) <= StoppingCriterion(accuracy).largest_error:
             low = middle
             certificate = found

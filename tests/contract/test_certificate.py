@@ -1,5 +1,7 @@
 """The certificate decides about convergence, and its errors bound the true ones."""
 
+from dataclasses import replace
+
 import numpy as np
 import oracle
 import pytest
@@ -14,6 +16,7 @@ from hpc_gfmd.driver.drive import drive
 from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.operators.state import State
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.solvers import solver_class, solver_names
 from hpc_gfmd.solvers.bpx import Bpx
@@ -41,11 +44,11 @@ def in_contact(g, p):
 
 def certified(solver, **options):
     """(certificate, pressure) of a solver's state; the solver can continue."""
-    p = np.empty_like(solver.p)
-    certificate = certify(solver.problem_now, solver.g, p, solver.levels, **options)
+    state = replace(solver.state, p=np.empty_like(solver.state.p))
+    certificate = certify(solver.problem_now, state, solver.levels, **options)
     if solver.progress().estimate is not None:
         solver.restart()
-    return certificate, p
+    return certificate, state.p
 
 
 @pytest.mark.parametrize("wrong", [1e-9, 0.0])
@@ -66,8 +69,8 @@ def test_errors_bound_true_errors_during_iteration(surface, name):
     """Checked for all states with errors below 0.1."""
     truth = started(surface, 0.05)
     _, exact, _ = drive(truth, StoppingCriterion(residual=1e-12))
-    wanted = in_contact(truth.g, truth.p)
-    norm = np.linalg.norm(truth.p)
+    wanted = in_contact(truth.state.g, truth.state.p)
+    norm = np.linalg.norm(truth.state.p)
     solver = started(surface, 0.05, name)
     compared = 0
     for _ in range(40 if name == "bpx" else 200):
@@ -77,7 +80,8 @@ def test_errors_bound_true_errors_during_iteration(surface, name):
             compared += 1
             assert abs(certificate.contact / exact.contact - 1) <= area + ROUNDING
             assert abs(certificate.gap_mean / exact.gap_mean - 1) <= gap + ROUNDING
-            assert np.linalg.norm(in_contact(solver.g, p) - wanted) <= (pressure + ROUNDING) * norm
+            wrong = np.linalg.norm(in_contact(solver.state.g, p) - wanted)
+            assert wrong <= (pressure + ROUNDING) * norm
         solver.step()
     assert compared > 3
 
@@ -95,7 +99,7 @@ def test_energy_bound_against_the_duality_gap(surface, p_star, hardness):
         certificate, p = certified(solver, dual=True)
         if not (certificate.duality_gap < np.inf and 1e-12 < certificate.errors[2] < 0.5):
             continue
-        closed = np.sum(np.minimum(p, hardness or np.inf)[(solver.g <= 0) & (p > 0)] ** 2)
+        closed = np.sum(np.minimum(p, hardness or np.inf)[(solver.state.g <= 0) & (p > 0)] ** 2)
         G = certificate.duality_gap * p_star * certificate.gap_mean * surface.grid.N
         # of the relative error of the pressure, up to a factor of order one
         bound = np.sqrt(2 * G / (solver.compliance * closed))
@@ -131,7 +135,7 @@ def test_a_displacement_that_penetrates_is_certified_by_the_nearest_feasible_one
     deepest = -g.min()
     p = np.empty_like(g)
     levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
-    certificate = certify(problem, g, p, levels, dual=True)
+    certificate = certify(problem, State(grid, g, p, problem.p0), levels, dual=True)
     area, gap, pressure = certificate.errors
     found = in_contact(g, p) / grid.a
     assert g.min() == 0
@@ -148,14 +152,14 @@ def test_steps_that_are_too_long_are_no_excuse(surface, monkeypatch, factor):
     """A solver whose steps end below the surface gives solutions as accurate as asked."""
     truth = started(surface, 0.1)
     drive(truth, StoppingCriterion(residual=1e-12))
-    wanted = in_contact(truth.g, truth.p)
+    wanted = in_contact(truth.state.g, truth.state.p)
     update = Bpx._update
     monkeypatch.setattr(Bpx, "_update", lambda self, s: update(self, factor * s))
     solver = started(surface, 0.1)
     status, certificate, _ = drive(solver, StoppingCriterion(accuracy=1e-3, max_iterations=100))
     assert status == "converged"
-    wrong = np.linalg.norm(in_contact(solver.g, solver.p) - wanted) / np.linalg.norm(wanted)
-    assert wrong <= certificate.errors[2] < 1e-3
+    wrong = np.linalg.norm(in_contact(solver.state.g, solver.state.p) - wanted)
+    assert wrong / np.linalg.norm(wanted) <= certificate.errors[2] < 1e-3
 
 
 def held_by_a_spring(z, solution, work, reach):
@@ -201,7 +205,8 @@ def test_full_contact_under_tension_is_not_certified():
     grid = Grid(z.shape)
     problem = Problem(grid, z.max() - z, 1e-3 * np.std(z))
     levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
-    certificate = certify(problem, np.zeros(z.shape), np.empty(z.shape), levels, dual=True)
+    state = State(grid, np.zeros(z.shape), np.empty(z.shape), problem.p0)
+    certificate = certify(problem, state, levels, dual=True)
     assert certificate.tension > 1
     assert certificate.duality_gap == np.inf
     assert certificate.errors[1] == np.inf

@@ -93,14 +93,14 @@ def test_progress_and_pairs(name):
         solver.step()
         assert solver.pairs >= before + 1
     progress = solver.progress()
-    closed = (solver.g <= 0) & (solver.p > 0)
+    closed = (solver.state.g <= 0) & (solver.state.p > 0)
     assert progress.finite
     assert solver.iterations == 20
-    assert progress.gap_mean == pytest.approx(solver.g.mean(), rel=1e-9)
+    assert progress.gap_mean == pytest.approx(solver.state.g.mean(), rel=1e-9)
     assert progress.contact == closed.sum()
-    assert solver.g.min() >= 0
-    if solver.p[~closed].any():  # a solver in pressures has none there
-        rms = np.sqrt(np.sum(solver.p[~closed] ** 2) / solver.N) / solver.p0
+    assert solver.state.g.min() >= 0
+    if solver.state.p[~closed].any():  # a solver in pressures has none there
+        rms = np.sqrt(np.sum(solver.state.p[~closed] ** 2) / solver.N) / solver.state.p0
         assert progress.residual == pytest.approx(rms, rel=0.5)
 
 
@@ -118,9 +118,9 @@ def test_pressure_follows_the_gap_over_many_steps(name):
     solver = started(name, problem_of())
     for _ in range(50):
         solver.step()
-    followed = solver.p.copy()
-    fresh = np.empty_like(solver.p)
-    certify(solver.problem_now, solver.g, fresh)
+    followed = solver.state.p.copy()
+    certify(solver.problem_now, solver.state)
+    fresh = solver.state.p
     assert np.abs(followed - fresh).max() < 1e-9 * np.abs(fresh).max()
 
 
@@ -132,15 +132,15 @@ def test_a_step_ahead_leaves_the_pressure_to_a_certificate(hardness):
     compared = 0
     for _ in range(8):
         ahead.step_ahead()
-        certificate = certify(problem, ahead.g, ahead.p, ahead.levels)
+        certificate = certify(problem, ahead.state, ahead.levels)
         whole.step()
         if whole.s == 1:
-            assert np.array_equal(ahead.g, whole.g)
-            assert relative(ahead.p, whole.p) < 1e-12
-            assert certificate.uKu == pytest.approx(whole.uKu, rel=1e-12)
+            assert np.array_equal(ahead.state.g, whole.state.g)
+            assert relative(ahead.state.p, whole.state.p) < 1e-12
+            assert certificate.uKu == pytest.approx(whole.state.uKu, rel=1e-12)
             compared += 1
         for solver in (ahead, whole):
-            solver.start(whole.g)
+            solver.start(whole.state.g)
             solver.step()
     assert compared > 2
 

@@ -37,18 +37,19 @@ def test_the_energy_never_rises(law, kappa, closed, spring):
     h = (wall.heights.max() - wall.heights) / a
     problem = Problem(Grid(h.shape, (8.0, 8.0)), h, 0.05, attraction=attraction, spring=spring)
     solver = Bpx(problem)
-    solver.p0 -= spring * h.mean() * closed  # the mean displacement at the start
+    solver.state.p0 -= spring * h.mean() * closed  # the mean displacement at the start
     solver.start(np.zeros_like(h) if closed else np.maximum(h - h.mean() + h.std(), 0))
-    energies = [energy(problem, solver.g)]
+    energies = [energy(problem, solver.state.g)]
     for _ in range(150):
         solver.step()
-        energies.append(energy(problem, solver.g))
+        energies.append(energy(problem, solver.state.g))
         if solver.progress().residual < 1e-8:
             break
     assert np.diff(energies).max() <= 1e-12 * abs(energies[0])
     assert energies[-1] < energies[0] or solver.progress().residual < 1e-8
-    load = 0.05 + spring * (solver.g - h).mean()
-    assert solver.p0 == pytest.approx(load)
-    assert solver.wall_load == pytest.approx(load + attraction.traction(solver.g).mean())
-    product = elastic_product(problem, solver.g) * solver.N
-    assert solver.uKu == pytest.approx(product, rel=1e-6)
+    state = solver.state
+    load = 0.05 + spring * (state.g - h).mean()
+    assert state.p0 == pytest.approx(load)
+    assert state.wall_load == pytest.approx(load + attraction.traction(state.g).mean())
+    product = elastic_product(problem, state.g) * solver.N
+    assert state.uKu == pytest.approx(product, rel=1e-6)

@@ -1,6 +1,7 @@
 """Free boundaries: Hertz, punches and cones on an infinite half-space, dense linear algebra and
 other codes."""
 
+from dataclasses import replace
 from functools import partial
 from math import acosh, inf, pi, sqrt
 from pathlib import Path
@@ -290,8 +291,9 @@ def test_estimated_errors_of_the_gap(boundary, loose):
 
     def watch(*_):
         solver = sweep.starter.solver
-        certificate = certify(solver.problem_now, solver.g, np.empty_like(solver.p), solver.levels)
-        solver.levels.restrict(solver.g, solver.p)
+        state = replace(solver.state, p=np.empty_like(solver.state.p))
+        certificate = certify(solver.problem_now, state, solver.levels)
+        solver.levels.restrict(solver.state.g, solver.state.p)
         solver.levels.sweep()  # restores the state of the levels
         error = abs(certificate.gap_mean / exact_gap - 1)
         if 1e-6 < error < 0.1:

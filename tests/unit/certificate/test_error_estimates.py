@@ -32,7 +32,7 @@ def certificate_in(unit, free, dtype, steps, hardness=None, adhesive=False):
     solver.start(cold_gap(light))
     for _ in range(steps):
         solver.step()
-    return certify(solver.problem_now, solver.g, np.empty_like(solver.p), solver.levels, dual=True)
+    return certify(solver.problem_now, solver.state, solver.levels, dual=True)
 
 
 @pytest.mark.parametrize("steps", [4, 40])

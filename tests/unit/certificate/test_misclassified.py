@@ -14,7 +14,7 @@ def state():
     sweep = sweep_of(rough((1, 32, 2)), accuracy=1e-6)
     contact = sweep.solve(0.1 * sweep.surface.g_rms)
     solver = sweep.starter.solver
-    return solver.problem_now, solver.g, solver.p, contact.contact_points
+    return solver.problem_now, solver.state.g, solver.state.p, contact.contact_points
 
 
 def test_nothing_changes_without_an_error(state):

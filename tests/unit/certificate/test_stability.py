@@ -44,14 +44,14 @@ def solved(problem):
 
 
 def stability(solver, **options):
-    return stability_of(solver.problem, solver.g, solver.p, solver.levels, **options)
+    return stability_of(solver.problem, solver.state.g, solver.state.p, solver.levels, **options)
 
 
 def dense(solver):
     """(open points, K and the curvature of the energy there, smallest eigenvalue)."""
-    is_open = ~((solver.g <= 0) & (solver.p > 0)).ravel()
+    is_open = ~((solver.state.g <= 0) & (solver.state.p > 0)).ravel()
     K = oracle.stiffness(solver.grid.n, (N, N))[np.ix_(is_open, is_open)]
-    curvature = solver.problem.attraction.curvature(solver.g).ravel()[is_open]
+    curvature = solver.problem.attraction.curvature(solver.state.g).ravel()[is_open]
     return is_open, K, curvature, 1 + eigh(np.diag(curvature), K, eigvals_only=True)[0]
 
 
@@ -98,13 +98,11 @@ def test_duality_gap_bounds_the_distance_to_the_equilibrium():
     K = oracle.stiffness(problem.grid.n, (N, N))
     for _ in range(200):
         rough.step()
-        e = (rough.g - exact.g).ravel()
+        e = (rough.state.g - exact.state.g).ravel()
         distance = np.sqrt(e @ K @ e)
-        if distance < 1e-3 * np.sqrt(exact.uKu):
+        if distance < 1e-3 * np.sqrt(exact.state.uKu):
             break
-    g = rough.g.copy()
-    p = np.empty_like(rough.p)
-    certificate = certify(problem, g, p, rough.levels, dual=True)
+    certificate = certify(problem, rough.state, rough.levels, dual=True)
     wall_load = problem.p0 + certificate.attraction
     bound = np.sqrt(2 * certificate.duality_gap * wall_load * certificate.gap_mean * N * N)
     *_, s = dense(exact)
@@ -128,33 +126,33 @@ def test_lost_equilibria_are_not_certified():
     held = 0.01
     lost = -0.1
     solver = solved(replace(problem, p0=held))
-    held_gap = solver.g.copy()
+    held_gap = solver.state.g.copy()
     while held - lost > 1e-6:
         middle = (held + lost) / 2
         solver.start(held_gap.copy())
         if settled(solver, middle):
             held = middle
-            held_gap = solver.g.copy()
+            held_gap = solver.state.g.copy()
         else:
             lost = middle
-    solver.p0 = held
+    solver.state.p0 = held
     solver.start(held_gap.copy())
     assert settled(solver, held + 1e-4)
-    before = solver.g.copy()
+    before = solver.state.g.copy()
     K = oracle.stiffness(solver.grid.n, (N, N))
     certain = 0
     for change in 1e-4 * np.array([1e-3, 1e-2, 0.1, 0.3, 0.9, 1.1, 1.5, 3.0]):
         solver.start(before.copy())
         solver.continue_at(held + 1e-4 - change)
         distance = solver.progress().estimate.distance
-        result = stability_of(solver.problem_now, solver.g, solver.p, solver.levels)
+        result = stability_of(solver.problem_now, solver.state.g, solver.state.p, solver.levels)
         assert result.value > 0
-        s = stability_up_to_equilibrium(solver.problem_now, solver.g, result, distance)
+        s = stability_up_to_equilibrium(solver.problem_now, solver.state.g, result, distance)
         solver.after_stability()
         is_settled = settled(solver, held + 1e-4 - change)
         if s > 0:
             certain += 1
-            e = (solver.g - before).ravel()
+            e = (solver.state.g - before).ravel()
             assert is_settled
             assert np.sqrt(e @ K @ e) <= distance / s
     assert 2 <= certain <= 5

@@ -51,9 +51,9 @@ def energy(solver, g):
     problem = solver.problem
     u = (g - problem.heights).ravel()
     K = oracle.stiffness(solver.grid.n, (N, N))
-    of_spring = 0.5 * problem.spring * N**2 * (g - solver.g).mean() ** 2
+    of_spring = 0.5 * problem.spring * N**2 * (g - solver.state.g).mean() ** 2
     of_attraction = problem.attraction.energy(np.maximum(g, 0)).sum()
-    return 0.5 * u @ K @ u + solver.p0 * u.sum() + of_spring + of_attraction
+    return 0.5 * u @ K @ u + solver.state.p0 * u.sum() + of_spring + of_attraction
 
 
 @pytest.mark.parametrize("branch", ["approach", "retraction"])
@@ -71,8 +71,8 @@ def test_a_kick_lowers_the_energy(branch, monkeypatch):
     guard = SaddleGuard(solver, branch)
     guard.look()
     mode = guard._mode
-    g = solver.g.copy()
-    p0 = solver.p0
+    g = solver.state.g.copy()
+    p0 = solver.state.p0
     length = guard._length_of_kick(mode)
     work, largest = guard._work_along(mode)
     assert largest == np.abs(mode).max()
@@ -85,7 +85,7 @@ def test_a_kick_lowers_the_energy(branch, monkeypatch):
     guard.stability = -1.0
     assert guard.leave_saddle()
     assert guard.kicks == 1
-    assert solver.g == pytest.approx(np.maximum(g + length * mode, 0), abs=1e-12)
-    moved = solver.g.mean() - g.mean()
-    assert solver.p0 == pytest.approx(p0 + 0.01 * moved, abs=1e-12)
+    assert solver.state.g == pytest.approx(np.maximum(g + length * mode, 0), abs=1e-12)
+    moved = solver.state.g.mean() - g.mean()
+    assert solver.state.p0 == pytest.approx(p0 + 0.01 * moved, abs=1e-12)
     assert abs(moved) > 1e-4

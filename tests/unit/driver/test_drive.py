@@ -13,6 +13,7 @@ from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver import drive as module
 from hpc_gfmd.driver.drive import REFUSALS, drive
 from hpc_gfmd.driver.target import Target
+from hpc_gfmd.operators.state import State
 from hpc_gfmd.solvers.base import Progress
 
 ACCURACY = 1e-3
@@ -27,11 +28,11 @@ class Scripted:
     patience: int = 60
     iterations: int = 0
     N: int = 100
-    p0: float = 0.1
     is_separated: bool = False
     goes_ahead: bool = False
     ahead: int = 0
     problem = SimpleNamespace(attraction=None)
+    state: State = field(default_factory=lambda: State(None, None, None, p0=0.1))
     certified_at: list = field(default_factory=list)
 
     def progress(self):
@@ -49,7 +50,7 @@ class Scripted:
     def expected_area(self, estimate):
         return 0.0
 
-    def after_certificate(self, certificate):
+    def after_certificate(self):
         self.certified_at.append(self.iterations)
 
 
@@ -144,7 +145,7 @@ class Doubling(Target):
         if not (self.times and solved):
             return False
         self.times -= 1
-        solver.p0 *= 2
+        solver.state.p0 *= 2
         return True
 
 
@@ -155,7 +156,7 @@ def test_targets_follow_certificates(certified):
     solver = Scripted(halving)
     outcome = drive(solver, CRITERION, target=Doubling(times))
     assert outcome.status == "converged"
-    assert solver.p0 == pytest.approx(0.1 * 2**times)
+    assert solver.state.p0 == pytest.approx(0.1 * 2**times)
     assert outcome.pairs == PAIRS * (times + 1)
 
 
@@ -166,7 +167,7 @@ def test_a_target_goes_on_where_iterations_help_no_more(certified, error, status
     solver = Scripted(lambda k: 10 * ACCURACY, patience=5)
     outcome = drive(solver, CRITERION, target=Doubling(3))
     assert outcome.status == status
-    assert solver.p0 == pytest.approx(0.8 if status == "converged" else 0.1)
+    assert solver.state.p0 == pytest.approx(0.8 if status == "converged" else 0.1)
 
 
 @pytest.mark.parametrize(

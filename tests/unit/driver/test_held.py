@@ -40,7 +40,7 @@ def test_a_second_attempt_begins_as_the_first_did():
     while search.bring_back(solver):
         pass
     assert search.note is not None
-    assert solver.p0 != 0.05
+    assert solver.state.p0 != 0.05
     assert search.begin() == search.p0 == 0.05
     assert search.note is None
     assert [search.bring_back(solver) for _ in range(MOST_TRIALS + 1)] == [True] * MOST_TRIALS + [
@@ -57,14 +57,14 @@ def test_a_jump_begins_again_with_a_stiffer_spring():
     search._before = (0.0, -1.0)
     assert search.bring_back(solver)
     assert solver.problem.spring == STIFFER * search.spring
-    assert solver.p0 == pytest.approx(0.05)
-    assert np.array_equal(solver.g, gap)
+    assert solver.state.p0 == pytest.approx(0.05)
+    assert np.array_equal(solver.state.g, gap)
 
 
 def test_the_stability_of_another_load_divides_no_estimate():
     solver = solver_of(problem_of())
     fresh = solver.progress().estimate.pressure
-    solver.stability = Stability(0.01, 0.01, None, 0.0)
+    solver.state.stability = Stability(0.01, 0.01, None, 0.0)
     assert solver.progress().estimate.pressure > 10 * fresh
     seen = []
     criterion = StoppingCriterion(accuracy=1e-3, max_iterations=5)

@@ -36,7 +36,7 @@ class Curve(Root):
         return log(y) if y > 0 else -inf
 
     def certified(self, solver, certificate):
-        return self.curve(solver.p0), 0.0
+        return self.curve(solver.state.p0), 0.0
 
 
 class Steps(Curve):
@@ -45,7 +45,7 @@ class Steps(Curve):
     in_steps = True
 
     def distance(self, solver, y):
-        return self.curve.distance(solver.p0)
+        return self.curve.distance(solver.state.p0)
 
 
 class Solver:
@@ -55,8 +55,8 @@ class Solver:
         self.loads = [p0]
 
     @property
-    def p0(self):
-        return self.loads[-1]
+    def state(self):
+        return SimpleNamespace(p0=self.loads[-1])
 
     def continue_at(self, p0):
         self.loads.append(p0)
@@ -67,7 +67,7 @@ def loads_tried(target):
     solver = Solver(target.p0)
     while target.judge(solver, None) >= 1:
         assert target.correct(solver, None, True), solver.loads
-    assert target.miss(target.curve(solver.p0)) <= TOLERANCE
+    assert target.miss(target.curve(solver.state.p0)) <= TOLERANCE
     return solver.loads
 
 
