@@ -135,7 +135,7 @@ class Starter:
         if kept is not None:
             yield Candidate(kept, may_be_solved=not attracts)
             return
-        if attracts and load.p0 <= 0:
+        if load.p0 <= 0:
             yield Candidate(undeformed_gap(problem))
             return
         if load.target.from_full_contact:

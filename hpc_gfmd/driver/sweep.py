@@ -156,8 +156,7 @@ class Sweep:
         assert contact is not None  # double precision always gives one
         self._failed = contact.status not in ("converged", "interrupted", "separated")
         self._separated_at = load if contact.is_separated else None
-        searched = self.model.attraction is None  # with an attraction no load is
-        if contact.status == "converged" and searched:
+        if contact.status == "converged":
             self._remember(contact)
         if self.model.unique:
             return self._with_other_branch(contact)
@@ -226,7 +225,7 @@ class Sweep:
             if begins:
                 self.starter.forget()
             return None, pairs
-        if attracts and load.p0 < 0 and begins:
+        if load.p0 < 0 and begins:
             return self._separated(load, pairs=pairs), pairs
         start = self.starter.start(load, gap)
         self.coarser = start.coarser or self.coarser
@@ -263,8 +262,6 @@ class Sweep:
         """Return a contact with errors by the grid, its own or those of the load before."""
         if self.coarser:
             self._of_grid = grid_errors(contact, self.coarser)
-        if self.model.attraction is not None:
-            return contact
         return replace(contact, of_grid=self._of_grid)
 
     def _status_of(self, outcome: Outcome, load: Load) -> str:
