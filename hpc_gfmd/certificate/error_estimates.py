@@ -190,7 +190,7 @@ def _norms(problem: Problem, levels: Multilevel, sums: StateSums, stability: flo
 def _squares_of_norm(problem: Problem) -> float:
     """Return the sum of squares of a pressure over its squared S norm, as it is estimated."""
     # where points yield the formula of the bound itself counts
-    share = OF_PRESSURE if problem.hardness is None else 1.0
+    share = 1.0 if problem.yields else OF_PRESSURE
     # on a soft base short waves may be stiffer than the typical one says
     body, grid = problem.body, problem.grid
     return share**2 * max(body.typical(grid), body.scale(grid))
@@ -205,19 +205,19 @@ def _error_of_gaps(problem: Problem, sums: StateSums, norms: Norms) -> float:
         norm = sqrt(max(sums.uKu, 0.0))
         edges = self_energy(problem.grid)
         by_load = norms.missing * ((norm + norms.missing) / sums.p0 + edges)
-    share = UNKNOWN if problem.hardness is None else 1.0
+    share = 1.0 if problem.yields else UNKNOWN
     # of the error of the heights all is unknown
     share = hypot(share * sqrt(1 - norms.inherited**2), norms.inherited)
     by_contact = share * norms.response * norms.missing + LONG_WAVES * abs(norms.shift)
     if sums.yielded:
-        by_load += (by_contact - by_load) * (1 - sums.p0 / (problem.hardness or inf))
+        by_load += (by_contact - by_load) * (1 - sums.p0 / problem.hardness)
     return min(by_load, by_contact)
 
 
 def _rounding_of_pressure(problem: Problem, sums: StateSums) -> float:
     """Return the relative pressure error by rounding and an error of S. Collective at first."""
     # with a hardness most of the contact may yield
-    points = sums.elastic if problem.hardness is None else sums.contact
+    points = sums.contact if problem.yields else sums.elastic
     of_heights = problem.rounding / sqrt(sums.closed_pp / points)
     return hypot(of_heights, _epsilon(problem), problem.body.error)
 

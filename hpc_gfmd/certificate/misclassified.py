@@ -58,10 +58,10 @@ def misclassified_points(
     takes = largest * SMALLEST
     # the contact grows with the load, about in proportion
     by_load = errors.missing_load * contact
-    margins = REACH, FEW, problem.hardness is not None
+    margins = REACH, FEW, problem.yields
     leaving = changing_points(inside, takes, mean_square, -by_load, errors.squares, *margins)
     joining = changing_points(outside, takes, mean_square, by_load, squares_outside, *margins)
-    if problem.hardness is not None:
+    if problem.yields:
         carrying = problem.grid.N * problem.p0 / problem.hardness
         leaving = max(min(leaving, np.floor(contact - carrying)), 0.0)
     return float(max(leaving, joining))

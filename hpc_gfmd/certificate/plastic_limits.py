@@ -47,7 +47,7 @@ def further_movement(
     - p|_S; response: |v|_S, v lowering open points by 1. A bound if `e` is one; 0 without a
     hardness.
     """
-    if problem.hardness is None:
+    if not problem.yields:
         return 0.0
     n_open = problem.grid.N - contact
     largest = gap / n_open

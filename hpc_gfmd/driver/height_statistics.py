@@ -63,6 +63,4 @@ def carried_alone(problem: Problem, depth: float) -> float:
     grid = problem.grid
     rise = 1 / min(grid.n)
     carried = depth / (problem.body.point_compliance(grid) * (1 + rise))
-    if problem.hardness is not None:
-        carried = min(carried, 0.5 * problem.hardness)
-    return carried / grid.N
+    return min(carried, 0.5 * problem.hardness) / grid.N

@@ -261,9 +261,8 @@ def _prolong(
     coarse_rows = int(step.beside[fine.comm.rank]), step.n[0]
     is_halved = tuple(k == 2 for k in step.steps)
     compliance = 1 / problem.body.scale(fine)
-    deepest = np.inf if problem.hardness is None else compliance * problem.hardness
     near = problem.body.near(fine).astype(problem.dtype)
-    how = is_halved, real(compliance), near, real(deepest)
+    how = is_halved, real(compliance), near, real(compliance * problem.hardness)
     fields = step.around(u), step.around(p)
 
     def prolong(i0: int, i1: int, before: np.ndarray, after: np.ndarray) -> None:

@@ -51,7 +51,7 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
 
 
 def too_coarse(
-    settings: SolverTable, N: int, p_star: float | None, h_rms: float, hardness: float | None
+    settings: SolverTable, N: int, p_star: float | None, h_rms: float, hardness: float
 ) -> bool:
     """Return whether single precision certainly does not suffice for a load: by p_star, if it is
     known, or because the heights are stored too roughly for a hardness (over E* g_rms).
@@ -59,8 +59,7 @@ def too_coarse(
     h_rms: over g_rms times the grid spacing.
     """
     accuracy = settings.accuracy
-    allowed = np.inf if accuracy is None or hardness is None else accuracy * hardness
-    if rounding_in_single(h_rms) > allowed:
+    if accuracy is not None and rounding_in_single(h_rms) > accuracy * hardness:
         return True
     if p_star is None:
         return False
@@ -83,9 +82,9 @@ def precisions(
     precisions_of_loads: list[np.dtype | None] = []
     g_rms, h_rms = known_heights(scene, n)
     rounding = rounding_in_single(h_rms or np.inf)
-    hardness = scene.material.hardness
-    if hardness is not None:
-        hardness = hardness / (scene.material.E_star * g_rms) if g_rms else None
+    hardness = np.inf
+    if g_rms and scene.material.hardness:
+        hardness = scene.material.hardness / (scene.material.E_star * g_rms)
     for p_star in known_p_stars(scene, g_rms):
         unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
         if settings.precision == "auto" and precision == np.float32 and not unloaded:

@@ -83,7 +83,7 @@ class Root(Target):
         self.tolerance = working.settings.tolerance
         self.error_counts = working.settings.accuracy is not None
         self.finest = self.heights = working.heights
-        self.closes_at = working.hardness or inf
+        self.closes_at = working.hardness
         self.slope = self.usual
         self.corrections = 0
         self._clear()

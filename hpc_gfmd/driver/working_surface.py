@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -68,10 +69,9 @@ class WorkingSurface:
         return self.model.E_star * self.surface.slope
 
     @property
-    def hardness(self) -> float | None:
-        """The largest pressure, in the program's unit; None for an elastic solid."""
-        hardness = self.model.hardness
-        return None if hardness is None else hardness / self.pressure_unit
+    def hardness(self) -> float:
+        """The largest pressure, in the program's unit; infinite for an elastic solid."""
+        return (self.model.hardness or inf) / self.pressure_unit
 
     @property
     def attraction(self) -> Law | None:

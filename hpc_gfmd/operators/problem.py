@@ -20,6 +20,7 @@ so that the wall bears p0 + mean(t), the pressure of the body and what the attra
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 
 import numpy as np
 
@@ -52,9 +53,9 @@ class Problem:
     """A body pressed against a wall with a mean pressure.
 
     `h`: initial gap, minimum 0, this rank's nominal area; `p0`: mean pressure over that area;
-    `spring`: mean pressure of the cell per displacement, which changes p0 (0: a dead load);
-    `h_rms`: sqrt(mean h^2), if known; `height_error`: of changed heights, the root of the sum of
-    squares of K dh.
+    `hardness`: infinite for an elastic solid; `spring`: mean pressure of the cell per displacement,
+    which changes p0 (0: a dead load); `h_rms`: sqrt(mean h^2), if known; `height_error`: of changed
+    heights, the root of the sum of squares of K dh.
     """
 
     grid: Grid
@@ -62,7 +63,7 @@ class Problem:
     p0: float
     h_rms: float | None = None
     body: Body = HALF_SPACE
-    hardness: float | None = None
+    hardness: float = inf
     attraction: Law | None = None
     spring: float = 0.0
     height_error: float = 0.0
@@ -74,9 +75,14 @@ class Problem:
         return in_precision(self.attraction, dtype or self.dtype)
 
     @property
+    def yields(self) -> bool:
+        """Whether there is a hardness."""
+        return self.hardness < inf
+
+    @property
     def limit(self) -> np.floating | None:
         """The hardness in the working precision, as kernels take it; None without one."""
-        return None if self.hardness is None else self.dtype.type(self.hardness)
+        return self.dtype.type(self.hardness) if self.yields else None
 
     @property
     def dtype(self) -> np.dtype:

@@ -115,7 +115,7 @@ class HardWall(Wall):
 
     def __init__(self, problem: Problem):
         super().__init__(problem)
-        self.hardness = float(problem.hardness or inf)
+        self.hardness = float(problem.hardness)
 
     def project(self, state: State) -> float:
         return 0.0  # every displacement is feasible
@@ -236,4 +236,4 @@ def wall_of(problem: Problem) -> Wall:
     """Return the wall of a problem. A hardness together with an attraction is refused by scenes."""
     if problem.attraction is not None:
         return AdhesiveWall(problem)
-    return Wall(problem) if problem.hardness is None else HardWall(problem)
+    return HardWall(problem) if problem.yields else Wall(problem)

@@ -136,7 +136,7 @@ def _solved(wall, contact, hardness, dtype):
     solution = sweep.solve(Load("pressure", wall.loads[0] * unit))
     surface = surface_of_wall(wall, dtype)
     p0 = wall.loads[0] * contact.g_rms / surface.slope
-    limit = hardness and hardness * contact.g_rms / surface.slope
+    limit = (hardness or np.inf) * contact.g_rms / surface.slope
     problem = Problem(surface.grid, surface.h, p0, body=solution.body, hardness=limit)
     gap = solution.g.astype(float) if solution.status == "converged" else None
     return gap, problem, surface.slope
@@ -162,7 +162,7 @@ def _largest_accepted(problem, levels, gap, change, accuracy):
             certificate = found
             touches = (g <= 0) & (p > 0)
             pressure = np.where(touches, p, 0.0)
-            if problem.hardness is not None:
+            if problem.yields:
                 pressure = np.where(g < 0, problem.hardness, np.minimum(pressure, problem.hardness))
         else:
             high = middle

@@ -124,7 +124,7 @@ def test_pressure_follows_the_gap_over_many_steps(name):
     assert np.abs(followed - fresh).max() < 1e-9 * np.abs(fresh).max()
 
 
-@pytest.mark.parametrize("hardness", [None, 0.6])
+@pytest.mark.parametrize("hardness", [np.inf, 0.6])
 def test_a_step_ahead_leaves_the_pressure_to_a_certificate(hardness):
     """Where the line search does not shorten the step, both ways reach the same state."""
     problem = replace(problem_of(), hardness=hardness)

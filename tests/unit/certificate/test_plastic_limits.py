@@ -61,5 +61,5 @@ def test_the_smallest_bound(side, room, e):
 
 
 def test_nothing_yields_without_a_hardness():
-    problem = SimpleNamespace(hardness=None)
+    problem = SimpleNamespace(yields=False)
     assert further_movement(problem, 1.0, g, GAP, CONTACT, 1.0, 1.0) == 0

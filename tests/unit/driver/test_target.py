@@ -20,7 +20,7 @@ class Curve(Root):
 
     quantity = "y"
 
-    def __init__(self, curve, value, start=1.0, hardness=None, history=()):
+    def __init__(self, curve, value, start=1.0, hardness=inf, history=()):
         self.curve = curve
         self.start = start
         settings = SolverTable(accuracy=TOLERANCE)
