@@ -55,11 +55,14 @@ def pytest_collection_modifyitems(items):
     """Mark as slow all but at most three sets of parameters of a test function.
 
     Those marked `quick` are not slow, else the first, the middle and the last one, which differ in
-    most parameters. Two ranks take the first and the last of these, more ranks the last one.
+    most parameters. Two ranks take the first and the last of these, more ranks the last one, and
+    none of those marked `two_ranks`.
     """
     functions = defaultdict(list)
     for item in items:
-        if not item.get_closest_marker("slow"):
+        if world().size > 2 and item.get_closest_marker("two_ranks"):
+            item.add_marker(pytest.mark.slow)
+        elif not item.get_closest_marker("slow"):
             functions[item.nodeid.partition("[")[0]].append(item)
     for sets in functions.values():
         chosen = [item for item in sets if item.get_closest_marker("quick")]

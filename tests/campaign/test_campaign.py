@@ -33,6 +33,7 @@ HARD = {
     "sweep_ordered": (6,),
     "sweep_scene": (14,),
 }
+SAMPLE = "few_asperities", "smooth_scene", "sweep_ordered"  # quick tests
 # The same with seeds: free edges with larger errors of mean gaps and pressures than claimed, and
 # areas where edges move together or an open point is pressed into contact.
 HARD_SEEDS = [
@@ -63,7 +64,9 @@ def check(rows):
     assert not doubtful
 
 
-@pytest.mark.parametrize("name", HARD)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.quick if name in SAMPLE else ()) for name in HARD]
+)
 def test_the_default_solver_on_hard_walls(name):
     check([row for index in HARD[name] for row in rows_of(name, 11, index, QUICK)])
 

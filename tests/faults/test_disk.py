@@ -20,13 +20,10 @@ FULL = {  # when: (KiB of the disk, arguments of write_scene, fault, words of th
     ("when", "ranks"),
     [
         pytest.param("at start", None, marks=pytest.mark.quick),
-        pytest.param("during a field write", 2, marks=[needs_mpi, pytest.mark.quick]),
-        *[pytest.param(when, None) for when in FULL if when != "at start"],
-        *[
-            pytest.param(when, 2, marks=needs_mpi)
-            for when in FULL
-            if when != "during a field write"
-        ],
+        pytest.param("during a field write", None, marks=pytest.mark.quick),
+        *[pytest.param(when, 2, marks=needs_mpi) for when in FULL],
+        pytest.param("before the first load", None),
+        pytest.param("in the middle of a write", None),
     ],
 )
 def test_full(small_disk, undisturbed, when, ranks):

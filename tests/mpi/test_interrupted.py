@@ -11,7 +11,7 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import restart
 from hpc_gfmd.util.errors import SceneError
 
-pytestmark = pytest.mark.mpi
+pytestmark = [pytest.mark.mpi, pytest.mark.two_ranks]
 
 
 # All solvers are in tests/unit/runs/test_restart.py, on one process.

@@ -8,7 +8,7 @@ from contacts import rough, sweep_of
 from hpc_gfmd.parallel import grid
 from hpc_gfmd.parallel.comm import SerialComm
 
-pytestmark = pytest.mark.mpi
+pytestmark = [pytest.mark.mpi, pytest.mark.two_ranks]
 P_STAR = 0.002
 RESIDUAL = 2e-4
 

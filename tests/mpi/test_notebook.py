@@ -9,7 +9,7 @@ import hpc_gfmd
 from hpc_gfmd import SceneError
 from hpc_gfmd.scene import Scene
 
-pytestmark = pytest.mark.mpi
+pytestmark = [pytest.mark.mpi, pytest.mark.two_ranks]
 Z = random_heights((24, 20), 3) / 100
 LOADS = [1e-3, 4e-3]
 NAMES = ("patches", "percolation", "stiffness")

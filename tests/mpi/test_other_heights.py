@@ -15,7 +15,7 @@ from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.parallel.interrupt import Interrupt
 from hpc_gfmd.surface.heights import checksum
 
-pytestmark = pytest.mark.mpi
+pytestmark = [pytest.mark.mpi, pytest.mark.two_ranks]
 SCENE = tomli_w.dumps(
     {
         "surface": {"kind": "file", "physical_sizes": [1.0, 1.0], "path": "z.npy"},

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scene_tables import rows
 
-pytestmark = pytest.mark.mpi
+pytestmark = [pytest.mark.mpi, pytest.mark.two_ranks]
 GOOD = """
 surface = {kind = "wave", amplitude = 0.1, n = [8, 8]}
 load.pressure = 0.1

@@ -8,7 +8,8 @@ import h5py
 import numpy as np
 import pytest
 from contacts import scene_text
-from mpi_harness import call, printed
+from faults.jobs import call
+from mpi_harness import printed
 from scene_tables import rows
 
 import hpc_gfmd
@@ -31,16 +32,16 @@ HEAD = {"format_version", "scene", "versions", "start_time", "end_time", "ranks"
 def solved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("solved")
     (folder / "scene.toml").write_text(SCENE)
-    run = call(None, ["run", "scene.toml", "-o", "out.h5"], cwd=folder)
-    assert run.returncode == 0, run.stderr
+    run = call("run scene.toml -o out.h5", cwd=folder)
+    assert run.code == 0, run.err
     return folder, run
 
 
 def test_run(solved):
     folder, run = solved
     assert sorted(p.name for p in folder.iterdir()) == ["out.h5", "scene.toml"]
-    assert "kappa" in run.stdout
-    assert "Traceback" not in run.stderr
+    assert "kappa" in run.out
+    assert not run.err
     with h5py.File(folder / "out.h5") as file:
         assert file.attrs["format"] == "hpc-gfmd"
         assert file.attrs["status"] == "converged"

@@ -72,7 +72,7 @@ def test_commands_that_print_results_fail_without_output(folder, args, after, wo
 
 
 def test_exit_code_of_an_error_without_stderr(folder):
-    assert shell(folder, [], ["run", "gone.toml"], "2>&-")[0] == 2
+    assert shell(folder, [], ["show", "gone.h5"], "2>&-")[0] == 2
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes")

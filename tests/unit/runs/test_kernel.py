@@ -19,10 +19,9 @@ sweep = hpc_gfmd.solve(wall, p_star=[0.1, 0.2])
 """
 # {source of a cell: number of pictures shown}
 PICTURES = {
-    "sweep.plot()": 1,
-    "sweep.plot('a_r')\n1": 1,
-    "for _ in range(3):\n    sweep.plot('a_r')": 3,
-    "sweep.plot('a_r'); sweep[0].plot('pressure')\nsweep.plot('gap_mean')": 3,
+    "sweep.plot('a_r')": 1,
+    "for _ in range(2):\n    sweep.plot('a_r')": 2,
+    "sweep.plot('a_r'); sweep[0].plot('pressure')\n1": 2,
     "fig = sweep.plot('a_r')\nfig": 1,
     "fig": 1,
     "[sweep.plot('a_r'), sweep.plot('kappa')]": 2,
