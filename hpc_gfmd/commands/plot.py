@@ -82,11 +82,12 @@ def main(args: Namespace) -> int:
 
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
         raise SceneError(f"--dpi: found {args.dpi}, allowed: 20 to 2400")
-    if len(args.file) > 1:
-        return _plot_together(args)
-    result = read_result(args.file[0])
+    several = len(args.file) > 1
+    if several and (args.step or args.window):
+        raise SceneError("plot: --step and --window need a single file")
+    results = [read_result(file) for file in args.file]
     paths = plot_result(
-        result,
+        results if several else results[0],
         args.output,
         args.what,
         step=args.step,
@@ -96,33 +97,8 @@ def main(args: Namespace) -> int:
         columns=args.columns,
         persson=args.persson,
     )
-    print(*paths, *_remarks(result, args), *result.remarks, sep="\n")
-    return 0
-
-
-def _plot_together(args: Namespace) -> int:
-    """Draw and save curves of several results, one picture for each of --what; returns 0."""
-    from pathlib import Path
-
-    from ..plotting import plot, save_picture
-
-    if args.step or args.window:
-        raise SceneError("plot: --step and --window need a single file")
-    names = args.what or ["curves"]
-    where = Path(args.output or "curves.png")
-    pictures = {
-        name: plot(
-            args.file,
-            name,
-            dpi=args.dpi,
-            dimensionless=args.dimensionless,
-            columns=args.columns,
-            persson=args.persson,
-        )
-        for name in names
-    }
-    for name, picture in pictures.items():
-        print(save_picture(picture, where, name, len(pictures) > 1, args.dpi))
+    remarks = [] if several else [*_remarks(results[0], args), *results[0].remarks]
+    print(*paths, *remarks, sep="\n")
     return 0
 
 

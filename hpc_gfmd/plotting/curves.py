@@ -292,8 +292,11 @@ def _pull_off(ax: Any, view: View, loads: LoadAxis, line_colour: Any) -> None:
 def _limits(ax: Any, all_loads: list[float], pushed: bool) -> None:
     """Set the limits around what is drawn, else all_loads; y is logarithmic beyond a decade."""
     left, low, right, high = ax.dataLim.extents
-    if left > right:
-        left, low, right, high = min(all_loads), 0.0, max(all_loads), 1.0
+    if left > right:  # nothing is drawn
+        left = min(all_loads)
+        low = 0.0
+        right = max(all_loads)
+        high = 1.0
     if pushed:
         ax.set_xlim(left / BEYOND, right * BEYOND)
     else:

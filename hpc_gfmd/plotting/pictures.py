@@ -207,9 +207,11 @@ def _result(solution_or_path: Any) -> Result:
 
 
 def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
-    """Draw several pictures of a result as new figures by name; default: of maps, distributions,
-    spectra and curves what it has, maps only with a window.
+    """Draw pictures as new figures by name; default: of maps, distributions, spectra and curves
+    what the result has, maps only with a window, and of several results the curves.
     """
+    if isinstance(result, list):
+        return {name: plot(result, name, **how) for name in what or ["curves"]}
     result = _result(result)
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
@@ -225,19 +227,21 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
 
 
 def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> list[Path]:
-    """Draw pictures, save them and return their paths. where: a folder, made if its parent exists,
-    or a file, with names appended for several; default: RESULT.png beside the result.
+    """Draw `figures`, save them and return their paths. where: a folder, made if its parent
+    exists, or a file, with names appended for several; default: RESULT.png beside the result.
     """
-    result = _result(file)
-    where = Path(where or (result.path or Path("contact")).with_suffix(".png"))
-    drawn = figures(result, what, **how)
+    if not isinstance(file, list):
+        file = _result(file)
+        where = where or (file.path or Path("contact")).with_suffix(".png")
+    drawn = figures(file, what, **how)
     several = len(drawn) > 1
-    return [save_picture(fig, where, name, several, how.get("dpi")) for name, fig in drawn.items()]
+    return [
+        _save_picture(fig, Path(where or "curves.png"), name, several, how.get("dpi"))
+        for name, fig in drawn.items()
+    ]
 
 
-def save_picture(
-    fig: Picture, where: Path, name: str, several: bool = False, dpi: float | None = None
-) -> Path:
+def _save_picture(fig: Picture, where: Path, name: str, several: bool, dpi: float | None) -> Path:
     """Save a picture as `where` (.png, .pdf or .svg), or as NAME.png in the folder `where`."""
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where

@@ -99,11 +99,6 @@ def line(k: int) -> Any:
     return LINES[k % len(LINES)]
 
 
-def shade(x: float) -> Any:
-    """Return a colour between dark blue (x = 0) and yellow (x = 1), for an ordered series."""
-    return matplotlib.colormaps["viridis"](x)
-
-
 class LogTicks(LogLocator):
     """Ticks of a logarithmic axis: decades, or 1, 3, or 1, 2, 5, ...: the first with three labels
     (two below 1e-3, where they are long).
@@ -194,15 +189,6 @@ def styled() -> Iterator[None]:
         pyplot.draw_if_interactive()
     with matplotlib.rc_context(RC):
         yield
-
-
-@contextmanager
-def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """Yield a new figure of this size in inches; without an error in the block it is saved."""
-    with styled():
-        fig = Picture(figsize=(width, height), layout="constrained")
-        yield fig
-        save(fig, path)
 
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:

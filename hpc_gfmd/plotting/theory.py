@@ -23,6 +23,8 @@ PERSSON = (
     "Persson, Phys. Rev. Lett. 99 (2007) 125502, doi:10.1103/PhysRevLett.99.125502",
 )
 
+Spectrum = tuple[np.ndarray, np.ndarray]  # (q, C) at ascending q
+
 
 @dataclass(frozen=True)
 class Theory:
@@ -47,11 +49,11 @@ def theory_beside(result: Result, of_maps: bool) -> Theory | None:
     scene = scene_of(result)
     theory = theory_of(scene, result.surface)
     if theory is None and of_maps:
-        theory = persson_of_map(result.scene, result.surface, _height_spectrum(result))
+        theory = _persson_of_map(result.scene, result.surface, _height_spectrum(result))
     return theory
 
 
-def _height_spectrum(result: Result) -> tuple[np.ndarray, np.ndarray] | None:
+def _height_spectrum(result: Result) -> Spectrum | None:
     """Return (q, C) of the heights where a load step has that distribution, else None."""
     for step in result.steps:
         if "heights_spectrum_q" in step:
@@ -85,7 +87,7 @@ def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
     if surface.kind == "self-affine" and periodic and good(slope):
         if hardness is not None:
             return _yielding(E_star, float(hardness), slope)
-        return _persson(surface, E_star * slope, attributes)
+        return _persson_of_self_affine(surface, E_star * slope, attributes)
     if surface.kind == "sphere" and hardness is None and len({*surface.radii}) == 1:
         return _hertz(surface, E_star)
     if surface.kind == "sphere" and hardness is None and inf in surface.radii:
@@ -100,33 +102,39 @@ def _areas(area: Callable, unit: float) -> dict[str, Callable]:
     return {"a_r": area, "kappa": lambda p: unit * area(p) / p}
 
 
-def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
-    """Return Persson's theory of a self-affine surface with eps_f and h_rms; unit: E* g_rms."""
-    name = "Persson"
-    eps_f = attributes.get("eps_f")
+def _persson(name: str, text: str, unit: float, h_rms: float, spectrum: Spectrum | None) -> Theory:
+    """Return Persson's theory with a mean gap if there is a spectrum; unit: E* g_rms."""
     curves = _areas(lambda p: persson.contact_area(p / unit), unit)
-    if good(eps_f) and eps_f < 1:
-        q = np.unique([1.0, surface.lam_l_over_lam_r, 1 / eps_f])  # in units of the longest wave's
-        spectrum = np.maximum(q, surface.lam_l_over_lam_r) ** (-2 - 2 * surface.hurst)
-        profile = SlopeProfile.from_spectrum(q, spectrum)
+    if spectrum is not None:
+        q, power = spectrum
 
         def gap(p: Any) -> np.ndarray:
-            unscaled = persson.mean_gap_spectrum(q, spectrum, p, unit / profile.g_rms)
-            return attributes["h_rms"] * unscaled / profile.h_rms
+            profile = SlopeProfile.from_spectrum(q, power)
+            unscaled = persson.mean_gap_spectrum(q, power, p, unit / profile.g_rms)
+            return h_rms * unscaled / profile.h_rms
 
-        name = f"Persson ($\\gamma = {persson.GAMMA:g}$)"
         curves["gap_mean"] = gap
 
     def density(x: Any, p: Any) -> np.ndarray:
         return persson.pressure_distribution(x / unit, p / unit) / unit
 
-    text = f"Persson, gamma = {persson.GAMMA:g}"
     return Theory(name, curves, density, sources=PERSSON, text=text)
 
 
-def persson_of_map(
-    scene: Scene, attributes: Any, spectrum: tuple[np.ndarray, np.ndarray] | None
-) -> Theory | None:
+def _persson_of_self_affine(surface: Any, unit: float, attributes: Any) -> Theory:
+    """Return Persson's theory of a self-affine surface with eps_f and h_rms; unit: E* g_rms."""
+    name = "Persson"
+    eps_f = attributes.get("eps_f")
+    spectrum = None
+    if good(eps_f) and eps_f < 1:
+        q = np.unique([1.0, surface.lam_l_over_lam_r, 1 / eps_f])  # in units of the longest wave's
+        spectrum = q, np.maximum(q, surface.lam_l_over_lam_r) ** (-2 - 2 * surface.hurst)
+        name = f"Persson ($\\gamma = {persson.GAMMA:g}$)"
+    text = f"Persson, gamma = {persson.GAMMA:g}"
+    return _persson(name, text, unit, attributes.get("h_rms"), spectrum)
+
+
+def _persson_of_map(scene: Scene, attributes: Any, spectrum: Spectrum | None) -> Theory | None:
     """Return Persson's theory of a map's own g_rms and spectrum (q, C), ascending; None for layers,
     adhesion, a hardness, free edges.
     """
@@ -139,27 +147,12 @@ def persson_of_map(
     not_covered = (material.thickness, material.adhesion, material.hardness)
     if any(setting is not None for setting in not_covered):
         return None
-    unit = float(material.E_star) * slope
-    curves = _areas(lambda p: persson.contact_area(p / unit), unit)
-    if spectrum is not None:
-        q, power = spectrum
-
-        def gap(p: Any) -> np.ndarray:
-            profile = SlopeProfile.from_spectrum(q, power)
-            unscaled = persson.mean_gap_spectrum(q, power, p, unit / profile.g_rms)
-            return attributes["h_rms"] * unscaled / profile.h_rms
-
-        curves["gap_mean"] = gap
     shortest = 2 * max(size / n for size, n in zip(sizes, points))
     scale, name = prefixed([max(sizes), shortest], attributes.get("unit") or "")
     waves = f"{shortest / scale:.3g} to {max(sizes) / scale:.3g} {name}".strip()
-
-    def density(x: Any, p: Any) -> np.ndarray:
-        return persson.pressure_distribution(x / unit, p / unit) / unit
-
     label = f"Persson ($g_\\mathrm{{rms}}$ = {slope:.3g}, waves of {waves.replace('um', 'µm')})"
     text = f"Persson, g_rms = {slope:.3g}, waves of {waves}, gamma = {persson.GAMMA:g}"
-    return Theory(label, curves, density, sources=PERSSON, text=text)
+    return _persson(label, text, float(material.E_star) * slope, attributes.get("h_rms"), spectrum)
 
 
 def _yielding(E_star: float, hardness: float, slope: float) -> Theory:

@@ -9,10 +9,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
 from PIL import Image
 
-from hpc_gfmd.plotting.style import THEORY, figure, legend, shade
+from hpc_gfmd.plotting.style import THEORY, Picture, legend, save, styled
 from hpc_gfmd.theory import elastic, persson
 
 from .rows import PRESSURES, Rows, by_hurst, groups, low_high
@@ -36,6 +37,7 @@ LABELS = {
 }
 TITLES = {"low": r"$p^* = 0.01/\sqrt{2}$", "high": r"$p^* = 0.5/\sqrt{2}$"}
 LARGEST_EPS_F = 0.5  # up to which theory is drawn
+SHADES = matplotlib.colormaps["viridis"]  # of an ordered series, from 0 to 1
 SMALLEST_GAP = 1e-5  # gap/h_rms from which theory is drawn
 
 
@@ -57,16 +59,19 @@ def panels(path: Path, columns: int, lines: int = 1, **settings: Any) -> Iterato
     Axes or ndarray of Axes
         One panel, or an array (columns,) or (lines, columns).
     """
-    with figure(path, 2.0 + 2.4 * columns, 0.6 + 2.4 * lines) as fig:
+    with styled():
+        size = (2.0 + 2.4 * columns, 0.6 + 2.4 * lines)
+        fig = Picture(figsize=size, layout="constrained")
         axes = fig.subplots(lines, columns, squeeze=False, **settings)
         yield axes if lines > 1 else axes[0] if columns > 1 else axes[0, 0]
         legend(fig, "outside right upper")
+        save(fig, path)
     Image.open(path).quantize(PALETTE).save(path, optimize=True)
 
 
 def colour(hurst: float) -> Any:
     """Return the colour of a Hurst exponent, the same in all pictures."""
-    return shade(0.9 * hurst)
+    return SHADES(0.9 * hurst)
 
 
 def hurst_style(hurst: float) -> dict[str, Any]:
@@ -264,7 +269,7 @@ def pressure_against_gap(rows: Rows, path: Path) -> None:
     with panels(path, 1) as ax:
         p_star = np.geomspace(min((row["p_star"] for row in rows), default=1e-3) / 2, 2.5, 60)
         for (eps_f, hurst), part in groups(rows, "eps_f", "hurst").items():
-            color = shade(-np.log10(eps_f) / 4)
+            color = SHADES(-np.log10(eps_f) / 4)
             label = f"$\\epsilon_f = 1/{1 / eps_f:g}$"
             draw_points(ax, part, "gap_over_h_rms", "p_star", color=color, label=label)
 
