@@ -13,7 +13,8 @@ from .shared import can_share
 
 T = TypeVar("T")
 
-SHORTEST_PAUSE, LONGEST_PAUSE = 1e-4, 0.01  # seconds between two looks of a rank that waits asleep
+SHORTEST_PAUSE = 1e-4  # seconds between two looks of a rank that waits asleep, doubled each time
+LONGEST_PAUSE = 0.01
 
 
 class SerialComm:
@@ -76,11 +77,6 @@ class SerialComm:
 
     node = machine  # of those that have memory in common with this one
     node_ranks = np.zeros(1, int)  # these ranks
-
-
-def stages(size: int) -> int:
-    """Return the messages a rank sends in a reduction, by recursive doubling."""
-    return (size - 1).bit_length()
 
 
 class MpiComm:
@@ -223,28 +219,6 @@ class MpiComm:
     def node_ranks(self) -> np.ndarray:
         """The numbers of the ranks of `node`, ascending. Collective at the first access."""
         return np.array(self.node.allgather(self.rank))
-
-
-class DryRunComm:
-    """The communicator of an imagined rank, to plan a run: knows who is where, but cannot send."""
-
-    mpi = parent = None
-
-    def __init__(self, rank: int, size: int, nodes: np.ndarray):
-        self.rank = rank
-        self.size = size
-        self._nodes = nodes
-
-    @property
-    def node_ranks(self) -> np.ndarray:
-        """The ranks on the same node, ascending."""
-        return np.flatnonzero(self._nodes == self._nodes[self.rank])
-
-    def subcomm(self, ranks: list[int]) -> "DryRunComm | None":
-        """Return the communicator of these ranks alone; None if this rank is not among them."""
-        if self.rank not in ranks:
-            return None
-        return DryRunComm(ranks.index(self.rank), len(ranks), self._nodes[ranks])
 
 
 Comm = SerialComm | MpiComm

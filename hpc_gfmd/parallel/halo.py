@@ -79,11 +79,6 @@ class Windows:
         is_same_memory = np.may_share_memory(owned, window)
         return [piece for piece in self.own if not (is_same_memory and piece[0] == self.interior)]
 
-    def sent_rows(self, adding: bool) -> dict[int, int]:
-        """Return how many rows this rank sends to each other rank, by `add` or by `fill`."""
-        sent = self.take if adding else self.give
-        return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
-
 
 class Overlaps:
     """Rows that windows have in common, of which each has part of a sum. `parts`: terms (source,
@@ -116,11 +111,6 @@ class Overlaps:
         self.common = _joined([to_rows for _, _, to_rows in self.parts])
         self.parts += [(rank, rows, rows) for rows in self.common]
         self.parts.sort(key=lambda part: (part[0], part[1].start))
-
-    @property
-    def sent_rows(self) -> dict[int, int]:
-        """Number of rows that are sent to each rank."""
-        return {peer: sum(map(_length, pieces)) for peer, pieces in self.give.items()}
 
     @property
     def taken_rows(self) -> dict[int, int]:
@@ -178,7 +168,8 @@ def add_all(
     for (lo, hi), numbers in zip(bounds, np.split(received, np.cumsum(counts)[:-1])):
         part = numbers.reshape(fields, hi - lo, m)
         for start in range(lo // n * n, hi, n):  # the rows of a turn around the ring
-            begin, end = max(lo, start), min(hi, start + n)
+            begin = max(lo, start)
+            end = min(hi, start + n)
             whole[:, begin - start : end - start] += part[:, begin - lo : end - lo]
 
 

@@ -91,28 +91,12 @@ class Layout:
         """Return the columns (begin, end) of the half spectrum that block m holds."""
         return int(self.edges[m]), int(self.edges[m + 1])
 
-    @property
-    def columns_held(self) -> np.ndarray:
-        """Number of columns of the half spectrum that each rank has."""
-        return self.block_widths.sum(axis=0)
-
     @cached_property
     def widths(self) -> list[int]:
         """Numbers of columns that have plans, ascending; a block uses the next larger one."""
         if self.size == 1:
             return [self.W]
         return np.unique(self.block_widths[self.block_widths > 0]).tolist()
-
-    @property
-    def scratch_bytes(self) -> int:
-        """Bytes of scratch memory of each thread."""
-        rows = self.R * (self.n[1] * self.itemsize // 2 + self.n_c * self.itemsize)
-        return rows + self.W * self.n[0] * self.itemsize * (2 if self.far.any() else 1)
-
-    @property
-    def bytes(self) -> int:
-        """Bytes of the spectrum on this rank."""
-        return self.n_loc * self.n_c * self.itemsize
 
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the bytes to every rank (0 on this node) in all-to-all k, and their offsets."""
@@ -125,13 +109,3 @@ class Layout:
         """Return the bytes from every rank in all-to-all k, and their offsets."""
         row_bytes = self.block_widths[k, self.rank] * self.itemsize
         return self.far * np.diff(self.starts) * row_bytes, self.starts[:-1] * row_bytes
-
-    def traffic(self) -> tuple[int, int]:
-        """Return (bytes, messages) that this rank sends to other nodes in one FFT pair."""
-        to_others = self.block_widths[:, self.far]
-        mine = self.block_widths[:, self.rank]
-        rows = np.diff(self.starts) * self.far
-        nbytes = (self.n_loc * to_others.sum() + rows.sum() * mine.sum()) * self.itemsize
-        messages_forward = np.count_nonzero(to_others) * (self.n_loc > 0)
-        messages_back = np.count_nonzero(mine) * np.count_nonzero(rows)
-        return int(nbytes), int(messages_forward + messages_back)

@@ -17,12 +17,34 @@ from hpc_gfmd.driver.decimation import Decimation
 from hpc_gfmd.kernels.bpx import UpdateSums
 from hpc_gfmd.operators.hierarchy import Step, steps_of
 from hpc_gfmd.parallel.coarsening import Level
-from hpc_gfmd.parallel.comm import DryRunComm, stages
 from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.parallel.halo import Pieces
 from hpc_gfmd.parallel.layout import Layout
 
 # numbers in each sum over all ranks of a step of bpx; the last includes those of a sweep
 REDUCTIONS = 4, 2, len(UpdateSums._fields) + 8
+
+
+class DryRunComm:
+    """The communicator of an imagined rank: knows who is where, but cannot send."""
+
+    mpi = parent = None
+
+    def __init__(self, rank: int, size: int, nodes: np.ndarray):
+        self.rank = rank
+        self.size = size
+        self._nodes = nodes
+
+    @property
+    def node_ranks(self) -> np.ndarray:
+        """The ranks on the same node, ascending."""
+        return np.flatnonzero(self._nodes == self._nodes[self.rank])
+
+    def subcomm(self, ranks: list[int]) -> "DryRunComm | None":
+        """Return the communicator of these ranks alone; None if this rank is not among them."""
+        if self.rank not in ranks:
+            return None
+        return DryRunComm(ranks.index(self.rank), len(ranks), self._nodes[ranks])
 
 
 @dataclass(frozen=True)
@@ -145,7 +167,8 @@ class Share:
     @property
     def traffic(self) -> tuple[int, int]:
         """(bytes, messages) that this rank sends in one iteration of bpx, which is one FFT pair."""
-        nbytes, messages = zip(self.layout.traffic(), self.level_traffic, self.reduction_traffic)
+        parts = transpose_traffic(self.layout), self.level_traffic, self.reduction_traffic
+        nbytes, messages = zip(*parts)
         return sum(nbytes), sum(messages)
 
 
@@ -236,19 +259,43 @@ def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
     return groups
 
 
+def stages(size: int) -> int:
+    """Return the messages a rank sends in a reduction, by recursive doubling."""
+    return (size - 1).bit_length()
+
+
+def rows_by_rank(pieces: Pieces) -> dict[int, int]:
+    """Return how many rows go to each rank, or come from it."""
+    return {
+        peer: sum(rows.stop - rows.start for rows in of_peer) for peer, of_peer in pieces.items()
+    }
+
+
+def transpose_traffic(layout: Layout) -> tuple[int, int]:
+    """Return (bytes, messages) that a rank sends to other nodes in one FFT pair."""
+    to_others = layout.block_widths[:, layout.far]
+    mine = layout.block_widths[:, layout.rank]
+    rows = np.diff(layout.starts) * layout.far
+    nbytes = (layout.n_loc * to_others.sum() + rows.sum() * mine.sum()) * layout.itemsize
+    messages_forward = np.count_nonzero(to_others) * (layout.n_loc > 0)
+    messages_back = np.count_nonzero(mine) * np.count_nonzero(rows)
+    return int(nbytes), int(messages_forward + messages_back)
+
+
 def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
     """Return the bytes and the messages that a rank sends in one sweep by its steps."""
     numbers = messages = 0
     for group in groups_of(steps):
         peers: set[int] = set()
         for step in group[:-1]:
-            sent = step.overlaps.sent_rows
+            sent = rows_by_rank(step.overlaps.give)
             numbers += step.fields * sum(sent.values()) * step.transfer.m[1]
             peers |= set(sent)
         messages += len(peers)
         windows = group[-1].windows
         if windows is not None:
-            down, up = windows.sent_rows(True), windows.sent_rows(False)
+            down = rows_by_rank(windows.take)
+            up = rows_by_rank(windows.give)
             rows = group[-1].fields * sum(down.values()) + sum(up.values())
             numbers += rows * group[-1].transfer.m[1]
             messages += len(down) + len(up)

@@ -26,9 +26,7 @@ from functools import cache
 
 import numpy as np
 
-from hpc_gfmd.parallel.comm import stages
-
-from .decomposition import Share, share_of
+from .decomposition import Share, share_of, stages, transpose_traffic
 from .kernels import field_passes
 
 START_AND_END = 2  # pairs on the finest grid beside the iterations: first pressure, certificate
@@ -143,7 +141,7 @@ def _pair(share, machine):
     compute = share.points * (max(alone - memory, 0.0) + max(memory, shared_memory))
     compute += machine.call + gathered_points * 3 * machine.levels * alone
 
-    nbytes, messages = share.layout.traffic()
+    nbytes, messages = transpose_traffic(share.layout)
     transpose = nbytes * ranks_of_node / machine.link + messages * machine.overhead
     transpose += 2 * share.layout.blocks_per_rank * machine.latency * (messages > 0)
     transpose += 2 * machine.barrier * stages(ranks_of_node)

@@ -3,12 +3,11 @@
 import os
 
 import pytest
-from bench.decomposition import Share
+from bench.decomposition import Share, stages
 from contacts import rough, sweep_of
 from mpi.nodes import CountingComm, sent_in_a_step
 
 from hpc_gfmd.operators import hierarchy
-from hpc_gfmd.parallel.comm import stages
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.runs import capacity
 from hpc_gfmd.runs.capacity import require_memory

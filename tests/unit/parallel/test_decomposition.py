@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bench.decomposition import busiest, share_of
+from bench.decomposition import busiest, rows_by_rank, share_of
 
 MIB = 2**20
 SIZES = [2**k for k in range(12, 18)]
@@ -40,9 +40,8 @@ def test_rows_columns_and_messages_match(n, ranks):
     received."""
     shares = [share_of(n, np.float64, ranks, rank) for rank in range(ranks)]
     assert sum(share.points for share in shares) == n[0] * n[1]
-    assert (
-        sum(share.layout.columns_held[rank] for rank, share in enumerate(shares)) == n[1] // 2 + 1
-    )
+    columns_held = [share.layout.block_widths[:, rank].sum() for rank, share in enumerate(shares)]
+    assert sum(columns_held) == n[1] // 2 + 1
     steps, levels = shares[0].hierarchy
     for k, level in enumerate(levels[: len(steps)]):  # the others are whole on some ranks
         counted = [np.diff(share.hierarchy[0][k].counted_rows)[0] for share in shares]
@@ -55,11 +54,10 @@ def test_rows_columns_and_messages_match(n, ranks):
             for step, other_step in zip(share.hierarchy[0], other_share.hierarchy[0], strict=True):
                 assert (step.windows is None) == (other_step.windows is None)
                 if step.windows is None:
-                    sent = step.overlaps.sent_rows.get(other_rank, 0)
+                    sent = rows_by_rank(step.overlaps.give).get(other_rank, 0)
                     received = other_step.overlaps.taken_rows.get(rank, 0)
                     assert rank == other_rank or sent == received
                     continue
-                for adding in (True, False):
-                    sent = step.windows.sent_rows(adding).get(other_rank, 0)
-                    received = other_step.windows.sent_rows(not adding).get(rank, 0)
-                    assert sent == received
+                sent = rows_by_rank(step.windows.give).get(other_rank, 0)
+                received = rows_by_rank(other_step.windows.take).get(rank, 0)
+                assert sent == received
