@@ -35,43 +35,28 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
     skips the cache for `shapes` it has made: writing all out takes longer than a known plan.
     """
     wisdom = _wisdom(np.dtype(dtype).name)
-    if comm.size == 1:
-        if shapes in wisdom.made:
-            return make()
-        wisdom.version = None  # what is known from now on is not what rank 0 has sent
+    if comm.size == 1 and shapes in wisdom.made:
+        return make()
     wisdom.made.add(shapes)
-    if comm.rank == 0:
-        before = wisdom.read()
-        plans = make()
-        if launcher_rank() == 0:
-            wisdom.write(before)
-    if comm.size > 1:
-        _take_over(comm, wisdom)
-    return plans if comm.rank == 0 else make()
-
-
-def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
-    """Replace the wisdom of all ranks by that of rank 0, if any has other. Collective."""
-    text = wisdom.text() if comm.rank == 0 else None
-    version = comm.bcast(text and hashlib.sha256(text).digest())
-    if comm.max([version != wisdom.version])[0]:
-        text = comm.bcast(text)
-        if comm.rank != 0:
-            wisdom.replace(text)
-        wisdom.version = version
+    if comm.rank != 0:
+        wisdom.replace(comm.bcast(None))
+        return make()
+    before = wisdom.read()
+    plans = make()
+    if launcher_rank() == 0:
+        wisdom.write(before)
+    comm.bcast(wisdom.text())
+    return plans
 
 
 class _Wisdom:
-    """This process's wisdom in one precision; `made`: shapes planned; `version`: hash of what rank
-    0 sent, None if more came in.
-    """
+    """This process's wisdom in one precision; `made`: shapes planned."""
 
     def __init__(self, name: str):
         library_name, libraries = load_fftw()
         self.name = name
         self.library = libraries[name]
         self.made: set[Hashable] = set()
-        self.version: bytes | None = None
         # Wisdom begins with a line that tells version and instruction sets.
         first_line = self.text().split(b"\n", 1)[0]
         kind = library_name.encode() + first_line + processor().encode()
@@ -110,7 +95,6 @@ class _Wisdom:
 
     def replace(self, text: bytes) -> None:
         """Make FFTW forget all wisdom of this precision and know this text instead."""
-        self.version = None
         self.made.clear()
         self._function("forget_wisdom")()
         self._function("import_wisdom_from_string")(text)
