@@ -159,7 +159,7 @@ def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveA
             signal = stopped.number
     pairs, contacts, signal = fine.comm.bcast((pairs, contacts, signal))
     if signal:
-        interrupt.stop(signal)
+        raise interrupt.Stopped(signal)
     ends = np.clip(owned - i, 0, box.points[0])
     g, p = rows_of(fine.comm, fields, starts, ends[:-1], ends[1:], starts[-1])
     first_row = max(i - fine.rows[0], 0)

@@ -166,7 +166,7 @@ class Nested:
         # rank 0 has a part in all grids
         full, pairs, coarser, signal = problem.grid.comm.bcast((full, pairs, coarser, signal))
         if signal:
-            interrupt.stop(signal)
+            raise interrupt.Stopped(signal)
         target.agree(problem.grid.comm)
         if box is not None:
             return Candidate(None, pairs, coarser, box)
@@ -193,7 +193,7 @@ class Nested:
                 signal = stopped.number
         box, signal = comm.bcast((box, signal))
         if signal:
-            interrupt.stop(signal)
+            raise interrupt.Stopped(signal)
         return start, box
 
 

@@ -30,7 +30,7 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
     try:
         with atomic_write(path) as tmp:
             FORMATS[kind](result, tmp, about)
-    except (OSError, ValueError) as error:
+    except OSError as error:
         raise GfmdError(f"writing {path}: {reason(error)}") from error
     return path
 

@@ -1,6 +1,6 @@
 """Fields of a contact: computed when read, or in memory like stored fields."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,10 +48,6 @@ class Slab:
     def dtype(self) -> np.dtype:
         """Type of the values."""
         return np.dtype(self.data.dtype)
-
-    def pieces(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Yield (global index of the first row, rows) once, with all rows of this rank."""
-        yield self.start, self.read()
 
     def read(self, start: int | None = None, stop: int | None = None) -> np.ndarray:
         """Return some rows of this rank, by their global indices; default: all. May be a view."""

@@ -10,8 +10,6 @@ from ..parallel.committed import committed_file
 from ..util.errors import SceneError
 
 GROWING = "result.h5"  # what is finished so far; it becomes the result file at the end
-STATE = "checkpoint.h5"
-MEMORY = "memory-{:04d}.h5"  # what the loads so far have left, by the number of the last one
 LOCK = "lock"
 # steps and head: of earlier versions
 _OURS = re.compile(r"(result|checkpoint|head|step-\d+|memory-\d+)\.h5(\.committed)?(\.tmp)?")

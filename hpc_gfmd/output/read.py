@@ -15,9 +15,12 @@ from .folder import GROWING, has_begun, is_held, of_earlier_version, partial_fol
 from .result import FORMAT_VERSION, Result
 
 FORMAT = "hpc-gfmd"
-CHECKPOINT = "hpc-gfmd checkpoint"
-MEMORY_FORMAT = "hpc-gfmd memory"
-NUMBERS = {"p", "seconds", "iterations", "fft_pairs", "coarser", "of_grid"}  # of a checkpoint
+CHECKPOINT = "hpc-gfmd checkpoint"  # the gap of a stopped load, on the solver's grid
+MEMORY = "hpc-gfmd memory"  # what the loads up to one left at each point
+NUMBERS = {  # that a state has at least; coarser: of CoarseContacts, of_grid: of GridErrors
+    CHECKPOINT: {"p", "seconds", "iterations", "fft_pairs", "coarser", "of_grid"},
+    MEMORY: set(),
+}
 
 
 def read_result(path: str | os.PathLike) -> Result:
@@ -55,29 +58,17 @@ def read_partial(path: str | os.PathLike) -> Result:
     return replace(result, path=path, folder=folder, status=status)
 
 
-def read_checkpoint(path: Path, identity: str) -> Result | None:
-    """Read the gap of a stopped load, one step on the solver's grid with p, seconds, iterations,
-    fft_pairs, coarser (of CoarseContacts) and of_grid (of GridErrors); None without the file.
-    """
+def read_state(path: Path, kind: str, identity: str) -> Result | None:
+    """Read a state of STATES, one step, that a run of this identity has left; None without it."""
     if not path.exists():
         return None
-    checkpoint = read_file(path, CHECKPOINT)
-    if checkpoint.head.get("identity") != identity:
-        raise SceneError(f"{path}: a checkpoint of another scene, allowed: of this one")
-    (step,) = checkpoint.steps if len(checkpoint.steps) == 1 else ({},)
-    if not NUMBERS <= step.keys() or "gap" not in checkpoint.fields[0]:
-        raise SceneError(f"{path}: a checkpoint of another version of hpc_gfmd, allowed: of this")
-    return checkpoint
-
-
-def read_memory(path: Path, identity: str) -> Result | None:
-    """Read what the loads up to one left at each point, as one step; None if there is none."""
-    if not path.exists():
-        return None
-    memory = read_file(path, MEMORY_FORMAT)
-    if memory.head.get("identity") != identity or len(memory.steps) != 1:
-        raise SceneError(f"{path}: a memory of another scene, allowed: of this one")
-    return memory
+    state = read_file(path, kind)
+    name = kind.split()[1]
+    if state.head.get("identity") != identity:
+        raise SceneError(f"{path}: a {name} of another scene, allowed: of this one")
+    if len(state.steps) != 1 or not NUMBERS[kind] <= state.steps[0].keys():
+        raise SceneError(f"{path}: a {name} of another version of hpc_gfmd, allowed: of this")
+    return state
 
 
 def read_file(path: Path, kind: str = FORMAT) -> Result:

@@ -9,7 +9,6 @@ import os
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
@@ -26,12 +25,13 @@ from ..util.atomic import sync
 from ..util.errors import GfmdError, SceneError
 from .claim import EarlierRun, claim
 from .describe import SIGNS, describe, set_attributes
-from .folder import GROWING, MEMORY, STATE, followed, partial_folder, release
+from .folder import GROWING, followed, partial_folder, release
 from .numbers import About
-from .read import CHECKPOINT, FORMAT, MEMORY_FORMAT, read_checkpoint, read_memory
+from .read import CHECKPOINT, FORMAT, MEMORY, read_state
 from .result import FORMAT_VERSION, Result, group_of
 
 HEIGHTS = "surface/heights"
+STATES = {CHECKPOINT: "checkpoint.h5", MEMORY: "memory-{:04d}.h5"}  # by the number of a load
 
 
 class RunFile(AbstractContextManager):
@@ -144,42 +144,22 @@ class RunFile(AbstractContextManager):
         self._add({group: attributes}, slabs)
         self.finished = dict(sorted((self.finished | {index: attributes}).items()))
 
-    def write_checkpoint(self, grid: Grid, index: int, gap: np.ndarray, numbers: dict) -> None:
-        """Write the gap (solver's grid and unit) of a stopped load; numbers as in
-        `read_checkpoint`.
-        """
-        self._write_beside(STATE, CHECKPOINT, index, grid.n, grid.rows, {"gap": gap}, numbers)
+    def _state_path(self, kind: str, index: int) -> Path:
+        return self.partial / STATES[kind].format(index)
 
-    def write_memory(self, index: int, fields: dict[str, np.ndarray], numbers: dict) -> None:
-        """Write what loads up to `index` left, before that load is finished; the one before stays
-        until then, so that one always belongs to the last finished load.
-        """
-        name = MEMORY.format(index)
-        self._write_beside(name, MEMORY_FORMAT, index, self._n, self._rows, fields, numbers)
-
-    def memory(self, index: int) -> Result | None:
-        """Read what `write_memory` has written, as `read_memory`."""
-        path = self.partial / MEMORY.format(index)
-        identity = self._head["identity"]
-        return on_rank_0(self.comm, f"reading {path}", lambda: read_memory(path, identity))
-
-    def forget_memory(self, index: int) -> None:
-        """Remove what `write_memory` has written for a load, if anything. Collective."""
-        path = self.partial / MEMORY.format(index)
-        on_rank_0(self.comm, f"removing {path}", lambda: path.unlink(missing_ok=True))
-
-    def _write_beside(
+    def write_state(
         self,
-        file_name: str,
         kind: str,
         index: int,
-        n: tuple[int, int],
-        rows: tuple[int, int],
         fields: dict[str, np.ndarray],
         numbers: dict,
+        grid: Grid | None = None,
     ) -> None:
-        """Write or replace a file of one step beside the growing result. Collective."""
+        """Write one of STATES; grid: of its fields, by default that of the result. A memory is
+        written before its load is finished, and the one before stays until then.
+        """
         name = group_of(index)
+        n, rows = (grid.n, grid.rows) if grid else (self._n, self._rows)
         groups = {
             "/": {
                 "format": kind,
@@ -191,7 +171,7 @@ class RunFile(AbstractContextManager):
         }
         write_file(
             self.comm,
-            self.partial / file_name,
+            self._state_path(kind, index),
             n,
             rows,
             {f"{name}/{key}": field for key, field in fields.items()},
@@ -199,24 +179,25 @@ class RunFile(AbstractContextManager):
             self._together,
         )
 
-    def checkpoint(self) -> Result | None:
-        """Read what `write_checkpoint` has written, as `read_checkpoint`."""
-        path = self.partial / STATE
+    def state(self, kind: str, index: int) -> Result | None:
+        """Read what `write_state` has written, as `read_state`."""
+        path = self._state_path(kind, index)
         identity = self._head["identity"]
-        return on_rank_0(self.comm, f"reading {path}", lambda: read_checkpoint(path, identity))
+        return on_rank_0(self.comm, f"reading {path}", lambda: read_state(path, kind, identity))
+
+    def forget_state(self, kind: str, index: int) -> None:
+        """Remove what `write_state` has written for a load, if anything."""
+        path = self._state_path(kind, index)
+        on_rank_0(self.comm, f"removing {path}", lambda: path.unlink(missing_ok=True))
 
     def take(self, result: Result) -> None:
-        """Write all loads of a result, numbered from 0, with their fields."""
-        result = replace(result, indices=list(range(len(result.steps))))
-        fields = result.datasets
-        self.update(height_field=fields.get(HEIGHTS))
-        for index, step in result.numbered.items():
-            group = f"{group_of(index)}/"
-            of_step = {
-                name.removeprefix(group): field
-                for name, field in fields.items()
-                if name.startswith(group)
-            }
+        """Write all loads of a result, numbered from 0, with their fields; heights, which all
+        share, once.
+        """
+        heights = [fields["heights"] for fields in result.fields if "heights" in fields]
+        self.update(height_field=heights[0] if heights else None)
+        for index, (step, fields) in enumerate(zip(result.steps, result.fields, strict=True)):
+            of_step = {name: field for name, field in fields.items() if name != "heights"}
             self.write_step(index, step, of_step)
 
     def finish(self, status: str) -> None:

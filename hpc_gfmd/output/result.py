@@ -9,7 +9,6 @@ from ..scene import ArrayScene, Scene
 from ..scene.model import parse_toml
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
-from .fields import Slab
 from .numbers import scalar_names
 
 FORMAT_VERSION = 3
@@ -71,11 +70,6 @@ class Result:
         """{number of the load step: its attributes}."""
         return dict(zip(self.indices, self.steps, strict=True))
 
-    @property
-    def groups(self) -> dict[str, dict]:
-        """{group of the load step in a file: its attributes}."""
-        return {group_of(index): step for index, step in self.numbered.items()}
-
     def places(self, numbers: Sequence[int]) -> list[int]:
         """Return the positions in `steps` of load steps with these numbers, or raise SceneError."""
         for number in numbers:
@@ -83,16 +77,6 @@ class Result:
                 allowed = ", ".join(map(str, self.indices)) or "none"
                 raise SceneError(f"step: found {number}, allowed: {allowed}")
         return [self.indices.index(number) for number in numbers]
-
-    @property
-    def datasets(self) -> dict[str, Any]:
-        """{path in a file: field} of all load steps; heights, which all share, are there once."""
-        places = {"heights": "surface"}
-        return {
-            f"{places.get(name, group)}/{name}": field.data if isinstance(field, Slab) else field
-            for group, fields in zip(self.groups, self.fields, strict=True)
-            for name, field in fields.items()
-        }
 
     @property
     def facts(self) -> dict[str, Any]:

@@ -24,45 +24,28 @@ VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping 
 # per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
 PIECE_BYTES = 2**26
 PACKED = {"shuffle": True, "compression": "gzip", "compression_opts": 1}
-_SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given back
+_SLACK = 2**16  # bytes of everything but fields, generous: what is not needed is given back
+_PER_CHUNK = 64  # bytes of HDF5's own for each row that is packed
 
 
 @dataclass(eq=False)
 class Stored:
-    """A field (n_x, n_y) in a file, to be read piece by piece."""
+    """A field (n_x, n_y) in a file, to be read by rows."""
 
     path: Path
     dataset: str
     shape: tuple[int, int]
     dtype: np.dtype
 
-    def pieces(
-        self, comm: Comm | None = None, rows: tuple[int, int] | None = None
-    ) -> Iterator[tuple[int, np.ndarray]]:
-        """Yield (first row, rows) of this rank in pieces, as many on every rank (some empty), all
-        of which must be taken. Collective.
-        """
-        comm = comm or SerialComm()
-        rows = rows or (0, self.shape[0])
-        for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
-            with collective_errors(comm, f"reading {self.path}"):
-                piece = self._rows(start, stop)
-            yield start, piece
-
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
         """Return the rows (start, stop) of this rank as one array. Collective."""
-        with collective_errors(comm, f"reading {self.path}"):
-            return self._rows(*rows)
-        raise AssertionError
+        with collective_errors(comm, f"reading {self.path}"), reading(self.path) as file:
+            numbers: np.ndarray = file[self.dataset][slice(*rows)]
+        return numbers
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
         """Return the rows start <= i < stop, default all, on this rank alone."""
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
-
-    def _rows(self, start: int, stop: int) -> np.ndarray:
-        """Return some rows; h5py raises OSError or KeyError if they cannot be read."""
-        with reading(self.path) as file:
-            return file[self.dataset][start:stop]
 
 
 def write_file(
@@ -139,7 +122,7 @@ def write_rows(
     doing: str,
 ) -> None:
     """Write the rows (start, stop) of all ranks to a laid-out file, down to the disk. Collective.
-    Fields: local slabs or `Stored`; `together`: by MPI-IO, else through rank 0.
+    Fields: local slabs, or what reads rows as `Stored` does; `together`: by MPI-IO, else by rank 0.
     """
     together = together and comm.size > 1
     ranks_at_once = 1 if together else comm.size
@@ -166,8 +149,8 @@ def write_rows(
 
 
 def _piece(field: Any, start: int, stop: int, first_row: int) -> np.ndarray:
-    """Return rows of a field in another file, or of a local slab whose first row is `first_row`."""
-    if isinstance(field, Stored):
+    """Return rows of a field that reads them, or of a local slab whose first row is `first_row`."""
+    if hasattr(field, "read"):
         return field.read(start, stop)
     return np.ascontiguousarray(field[start - first_row : stop - first_row])
 

@@ -5,7 +5,7 @@ import signal
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, NoReturn, Self
+from typing import Any, Self
 
 from ..util.errors import SceneError
 from .comm import Comm
@@ -18,11 +18,14 @@ _running: "Interrupt | None" = None  # the Interrupt that listens: signals are s
 
 
 class Stopped(Exception):
-    """The run is to stop because of a signal (its number), between two iterations."""
+    """The run is to stop because of a signal (its number), between two iterations. Exit code: 130
+    after SIGINT, else (other signals, deadline) 143.
+    """
 
     def __init__(self, number: int):
         super().__init__(f"stopped by signal {number}")
         self.number = number
+        self.exit_code = 130 if number == signal.SIGINT else 143
 
 
 def check(comm: Comm) -> None:
@@ -38,21 +41,14 @@ def check(comm: Comm) -> None:
         and whole is _running.comm
         and (number := int(comm.max([_running.signal])[0]))
     ):
-        stop(number)
-
-
-def stop(number: int) -> NoReturn:
-    """Raise Stopped with a signal that all ranks have agreed on; it sets the exit code."""
-    if _running is not None:
-        _running.agreed = number
-    raise Stopped(number)
+        raise Stopped(number)
 
 
 class Interrupt:
     """Listens for signals (in the main thread) and a deadline in seconds, in a `with` block.
 
     A first signal is noted in `signal` and announced at once, as mpirun leaves its ranks a second;
-    a second one ends the process. `agreed` is the one that all ranks stop for.
+    a second one ends the process.
     """
 
     def __init__(
@@ -66,7 +62,6 @@ class Interrupt:
         self.begun = time.monotonic()
         self.deadline = deadline
         self.signal = 0
-        self.agreed = 0
 
     def __enter__(self) -> Self:
         global _running
@@ -95,20 +90,12 @@ class Interrupt:
             with suppress(RuntimeError):  # in the middle of printing something else
                 self.announce()
 
-    @property
-    def exit_code(self) -> int:
-        """Exit code of a stopped run: 130 after SIGINT, else (other signals, deadline) 143."""
-        return 130 if self.agreed == signal.SIGINT else 143
-
-    def poll(self) -> bool:
-        """Return whether to stop, and set `agreed` to the largest signal of any rank; a deadline
-        counts as SIGTERM. Collective.
+    def poll(self) -> int:
+        """Return the largest signal of any rank to stop for, 0 to go on; a deadline counts as
+        SIGTERM. Collective.
         """
         late = signal.SIGTERM if self._late else 0
-        number = int(self.comm.max([self.signal or late])[0])
-        if number:
-            self.agreed = number
-        return bool(number)
+        return int(self.comm.max([self.signal or late])[0])
 
     def require_time(self) -> None:
         """Raise SceneError if any rank's deadline is over: a start-up that takes longer would never

@@ -178,7 +178,7 @@ class SolvedLoad:
     numbers: dict[str, Any]  # `step_attributes`; empty if the load was stopped
 
 
-Watch = Callable[[], bool]  # called after every iteration; true: the load has to stop
+Watch = Callable[[], int]  # called after every iteration; true: the load has to stop
 UnfinishedOf = Callable[[int], tuple[Unfinished, float] | None]  # state of a load, seconds spent
 
 
@@ -281,7 +281,7 @@ class Run:
 
         def watch(iterations: int, progress: Progress) -> bool:
             self.reporter.watch(iterations, progress)
-            return stops()
+            return bool(stops())
 
         return watch
 

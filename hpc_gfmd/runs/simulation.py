@@ -26,7 +26,7 @@ from ..driver.precision import first_precision
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import clear, has_begun, is_held, of_earlier_version, partial_folder
-from ..output.read import read_partial, read_result
+from ..output.read import CHECKPOINT, MEMORY, read_partial, read_result
 from ..output.record import RunFile
 from ..output.result import Result
 from ..output.summary import surface_line
@@ -129,10 +129,10 @@ def run_scene(
         exit_code = None
         try:
             status = recorder.all_loads(recorder.prepare(begun))
-        except Stopped:
+        except Stopped as stopped:
             reporter.say(f"stopped: {recorder.progress_text()}; {how_to_continue}")
             status = "interrupted"
-            exit_code = interrupt.exit_code
+            exit_code = stopped.exit_code
     steps = [*file.finished.values()]
     path = file.path
 
@@ -230,12 +230,12 @@ class _Recorder:
                 count = load.contact.iterations
                 plural = "s" * (count != 1)
                 self.unfinished = f", load {index + 1} after {count} iteration{plural}"
-                raise Stopped(self.interrupt.agreed)
+                raise Stopped(self.interrupt.poll())
             self._write(load)
             run.show({index: load.numbers})
             del load  # its fields make room for the next one
-            if index != missing[-1] and self.interrupt.poll():
-                raise Stopped(self.interrupt.agreed)
+            if index != missing[-1] and (number := self.interrupt.poll()):
+                raise Stopped(number)
 
     def _write(self, load: SolvedLoad) -> None:
         """Write a finished load, and what it leaves for later ones in a history. Collective."""
@@ -247,16 +247,16 @@ class _Recorder:
         history = self.run.history
         # a surface that varies along one axis only is solved again, which takes no time
         if history is not None and contact.surface.reduced_axis is None:
-            self.file.write_memory(load.index, history.memory.fields(), history.numbers())
+            self.file.write_state(MEMORY, load.index, history.memory.fields(), history.numbers())
         self.file.write_step(load.index, load.numbers, fields)
         if history is not None:
-            self.file.forget_memory(load.index - 1)
+            self.file.forget_state(MEMORY, load.index - 1)
 
     def _recall(self, history: History, index: int) -> None:
         """Take up what loads up to `index` left; only a note if it is unreadable. Collective."""
         grid = history.surface.grid
         try:
-            stored = self.file.memory(index)
+            stored = self.file.state(MEMORY, index)
             if stored is None:
                 return
             fields = {
@@ -280,13 +280,14 @@ class _Recorder:
                 "coarser": np.ravel(self.run.sweep.coarser).tolist(),
                 "of_grid": list(contact.of_grid or ()),
             }
-            self.file.write_checkpoint(contact.grid, load.index, contact.g, numbers)
+            gap = {"gap": contact.g}
+            self.file.write_state(CHECKPOINT, load.index, gap, numbers, contact.grid)
 
     def _unfinished(self, run: Run, index: int) -> tuple[Unfinished, float] | None:
         """Return (state, seconds) of a stopped load; None, with a note if unusable. Collective."""
         grid = run.surface.grid
         try:
-            checkpoint = self.file.checkpoint()
+            checkpoint = self.file.state(CHECKPOINT, index)
             if checkpoint is None or checkpoint.indices != [index]:
                 return None
             if checkpoint.surface["n"] != list(grid.n):
@@ -295,7 +296,7 @@ class _Recorder:
             numbers = checkpoint.steps[0]
             coarser = [CoarseContact(*three) for three in np.reshape(numbers["coarser"], (-1, 3))]
             of_grid = GridErrors(*numbers["of_grid"]) if numbers["of_grid"] else None
-        except (GfmdError, ValueError, TypeError) as error:
+        except (GfmdError, ValueError, TypeError, KeyError) as error:
             self.reporter.say(f"note: {error}; load {index + 1} begins anew")
             return None
         unfinished = Unfinished(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hpc_gfmd.commands.common import as_json
 from hpc_gfmd.commands.show import as_dict, as_text
-from hpc_gfmd.output.read import read_checkpoint, read_result
+from hpc_gfmd.output.read import CHECKPOINT, read_result, read_state
 from hpc_gfmd.scene import File, Scene, load_scene
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.theory import tfc
@@ -53,9 +53,9 @@ def read_results(path):
     Scene.from_toml(result.scene_toml)
 
 
-def read_state(path):
+def read_checkpoint(path):
     """Read a checkpoint and its arrays."""
-    checkpoint = read_checkpoint(path, "abc")
+    checkpoint = read_state(path, CHECKPOINT, "abc")
     for field in checkpoint.fields[0].values():
         if field.shape[0] * field.shape[1] <= LARGEST_FIELD:
             field.read()
@@ -72,7 +72,7 @@ READERS = {  # target: (reader, extension of its files)
     "hdf5": (read_heights, ".h5"),
     "netcdf": (read_heights, ".nc"),
     "result": (read_results, ".h5"),
-    "checkpoint": (read_state, ".h5"),
+    "checkpoint": (read_checkpoint, ".h5"),
     "coefficients": (read_coefficients, ".json"),
 }
 

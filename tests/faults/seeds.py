@@ -11,6 +11,7 @@ from result_files import FIELD, N
 from scipy.io import netcdf_file
 
 import hpc_gfmd
+from hpc_gfmd.output.read import CHECKPOINT
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.theory import tfc
@@ -103,11 +104,9 @@ def _results(folder):
 
 
 def _checkpoints(folder):
-    grid = type("Grid", (), {"n": N, "rows": (0, N[0])})
-    with RunFile(
-        SerialComm(), folder / "out.h5", N, grid.rows, {"identity": "abc"}, SURFACE
-    ) as run:
-        run.write_checkpoint(grid, 0, FIELD, result_files.UNFINISHED)
+    head = {"identity": "abc"}
+    with RunFile(SerialComm(), folder / "out.h5", N, (0, N[0]), head, SURFACE) as run:
+        run.write_state(CHECKPOINT, 0, {"gap": FIELD}, result_files.UNFINISHED)
     return [run.partial / "checkpoint.h5"]
 
 

@@ -10,7 +10,7 @@ import pytest
 from faults.jobs import Job, assert_resumes, needs_mpi, write_scene
 
 from hpc_gfmd.output.folder import has_begun, partial_folder
-from hpc_gfmd.output.record import MEMORY
+from hpc_gfmd.output.record import MEMORY, STATES
 
 pytestmark = needs_mpi
 RANKS = 2
@@ -63,7 +63,7 @@ def test_a_history(tmp_path, undisturbed, ranks):
         folder = tmp_path / str(moment)
         folder.mkdir()
         path = write_scene(folder, **settings)
-        left = partial_folder(path) / MEMORY.format(moment - 1)
+        left = partial_folder(path) / STATES[MEMORY].format(moment - 1)
         happened = left.exists if moment else partial(has_begun, partial_folder(path))
         job = Job("run scene.toml -q", ranks[0], folder)
         if job.wait_for(happened):

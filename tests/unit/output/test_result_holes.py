@@ -7,32 +7,30 @@ import h5py
 import numpy as np
 import pytest
 from refusal import refused
-from result_files import FIELD, UNFINISHED, N, begin, complete, interrupted, names
+from result_files import FIELD, UNFINISHED, begin, complete, interrupted, names
 
 from hpc_gfmd.output.folder import partial_folder
-from hpc_gfmd.output.read import read_partial, read_result
+from hpc_gfmd.output.read import CHECKPOINT, read_partial, read_result
 from hpc_gfmd.parallel.comm import SerialComm
-
-GRID = type("Grid", (), {"n": N, "rows": (0, N[0]), "comm": SerialComm()})
 
 
 def test_checkpoints_of_other_scenes_are_refused(path, tmp_path):
     other_folder = interrupted(tmp_path / "other.h5", identity="xyz")
     with begin(path) as run:
-        assert run.checkpoint() is None
-        run.write_checkpoint(GRID, 3, FIELD, UNFINISHED)
-        stored = run.checkpoint()
+        assert run.state(CHECKPOINT, 3) is None
+        run.write_state(CHECKPOINT, 3, {"gap": FIELD}, UNFINISHED)
+        stored = run.state(CHECKPOINT, 3)
         assert (stored.indices, stored.steps) == ([3], [UNFINISHED])
         assert np.array_equal(stored.fields[0]["gap"].slab(SerialComm(), (0, 6)), FIELD)
-        run.write_checkpoint(GRID, 3, FIELD, {"p": 0.1})
+        run.write_state(CHECKPOINT, 3, {"gap": FIELD}, {"p": 0.1})
         with refused("of another version"):
-            run.checkpoint()
+            run.state(CHECKPOINT, 3)
         shutil.copy(run.partial / "checkpoint.h5", other_folder)
         with begin(tmp_path / "other.h5", "xyz") as run_of_other, refused("of another scene"):
-            run_of_other.checkpoint()
+            run_of_other.state(CHECKPOINT, 3)
         shutil.copy(complete(tmp_path / "third.h5"), run.partial / "checkpoint.h5")
         with refused("not a checkpoint"):
-            run.checkpoint()
+            run.state(CHECKPOINT, 3)
 
 
 def test_loads_are_ordered_by_number(path):
