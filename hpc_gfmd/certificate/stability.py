@@ -229,16 +229,14 @@ class _Search:
 
     def _precondition(self) -> float:
         """Set z = M residual on open points; return <residual, z> of all ranks. Collective."""
-        self.levels.restrict_from(0, self.residual_and_contact)
-        self.levels.sweep()
-        rz = self.levels.smooth(0, self.residual_and_contact, self.z)[0]
+        rz = self.levels.precondition(self.residual_and_contact, self.z)
         compliance = 1 / self.problem.body.scale(self.grid)
 
         def mask(i0: int, i1: int) -> None:
             self.z[1 + i0 : 1 + i1] *= 1 - self.closed[i0:i1]
 
         self.grid.by_rows(mask)
-        return compliance * float(self.grid.comm.sum([rz])[0])
+        return compliance * rz
 
     def _best(self, V: np.ndarray, KV: np.ndarray, k: int) -> tuple[float, np.ndarray]:
         """Return mu of D in the span of V[:k], and the weights (3,) of its mode. Collective."""

@@ -143,23 +143,16 @@ def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveA
     h = np.ascontiguousarray(problem.heights[:, columns])
     h = rows_of(fine.comm, h, owned, i + starts[:-1], i + starts[1:], fine.n[0])
     fields = np.empty((2, 0, box.points[1]), problem.dtype)
-    pairs = 0.0
-    contacts: Sequence[CoarseContact] = ()
-    signal = 0
-    if grid is not None:
-        share = grid.N / fine.N
-        try:
+    with interrupt.shared(fine.comm, (0.0, ())) as solved:
+        if grid is not None:
+            share = grid.N / fine.N
             alone = replace(problem, grid=grid, h=h, p0=problem.p0 / share, h_rms=None)
             solver, pairs, contacts = solve(alone)
             rows, points = grid.inside
             fields = np.stack([solver.state.g[:rows, :points], solver.state.p[:rows, :points]])
             pairs *= grid.cell_points / fine.cell_points
-            contacts = [contact._replace(p0=contact.p0 * share) for contact in contacts]
-        except interrupt.Stopped as stopped:
-            signal = stopped.number
-    pairs, contacts, signal = fine.comm.bcast((pairs, contacts, signal))
-    if signal:
-        raise interrupt.Stopped(signal)
+            solved.value = pairs, [contact._replace(p0=contact.p0 * share) for contact in contacts]
+    pairs, contacts = solved.value
     ends = np.clip(owned - i, 0, box.points[0])
     g, p = rows_of(fine.comm, fields, starts, ends[:-1], ends[1:], starts[-1])
     first_row = max(i - fine.rows[0], 0)

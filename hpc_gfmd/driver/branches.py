@@ -18,6 +18,7 @@ from ..contact.contact import OtherBranch
 from ..kernels.adhesive_rows import gain_along
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..contact.contact import Contact
     from ..solvers.base import Solver
 
@@ -42,17 +43,33 @@ def goes_on(branch: str, p0: float, p0_before: float) -> bool:
 
 class SaddleGuard:
     """Computes the stability of a solver's state, and kicks it away from saddles, first in the
-    direction of `branch`. `kicks` counts them; `at_saddle`: whether the last `look` found no
-    equilibrium nearby; `stability`: what it computed, nan before.
+    direction of `branch`. `kicks` counts them.
     """
 
     def __init__(self, solver: Solver, branch: str):
         self.solver = solver
         self.branch = branch
         self.kicks = 0
-        self.at_saddle = False
-        self._mode: np.ndarray | None = None
-        self.stability = np.nan
+        self._mode: np.ndarray | None = None  # of the last search, with which the next one begins
+
+    @property
+    def at_saddle(self) -> bool:
+        """Whether there is no equilibrium near the state, as far as its stability is known."""
+        stability = self.solver.state.stability
+        return stability is not None and stability.lowest <= 0
+
+    def confirm(self, certificate: Certificate) -> tuple[Certificate | None, float]:
+        """Return an accepted certificate, None at a saddle that a spring holds, which a search with
+        an early end may miss, and the FFT pairs of an exact one. Collective.
+        """
+        if self.solver.problem.spring == 0:
+            return certificate, 0.0
+        pairs = self.look()
+        stability = self.solver.state.stability
+        assert stability is not None  # just computed
+        if self.at_saddle:
+            return None, pairs
+        return replace(certificate, stability=stability.value), pairs
 
     def look(self, measure: float = np.inf) -> float:
         """Compute the stability, until it is clear whether it exceeds `measure` (inf: exactly, 0:
@@ -74,8 +91,6 @@ class SaddleGuard:
         )
         self._mode = stability.mode
         lowest = stability_up_to_equilibrium(solver.problem_now, state.g, stability, distance)
-        self.at_saddle = lowest <= 0
-        self.stability = stability.value
         state.stability = replace(stability, lowest=lowest)
         solver.after_stability()
         return stability.pairs
@@ -85,15 +100,17 @@ class SaddleGuard:
         p0 with a spring. Collective, one FFT pair. False if stable, if no kick lowers the energy,
         or after twelve.
         """
-        solver, mode = self.solver, self._mode
-        if self.kicks >= KICKS or mode is None or self.stability > 0:
+        solver = self.solver
+        state = solver.state
+        mode = self._mode
+        is_stable = state.stability is not None and state.stability.value > 0
+        if self.kicks >= KICKS or mode is None or is_stable:
             return False
         length = self._length_of_kick(mode)
         if length == 0:
             return False
         rows, points = solver.grid.inside
         step = solver.problem.dtype.type(length)
-        state = solver.state
         g = state.g
         before = _mean_of_cell(solver)
 

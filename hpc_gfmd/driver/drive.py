@@ -201,14 +201,13 @@ class Loop:
         return certificate
 
     def _solved(self, certificate: Certificate) -> Outcome | None:
-        """Return the outcome of an accurate state; None if it is a saddle that a spring holds,
-        which a search of the stability with an early end may miss.
-        """
-        if self.guard is not None and self.solver.problem.spring > 0:
-            self.pairs += self.guard.look()
-            if self.guard.at_saddle:
+        """Return the outcome of an accurate state; None if the guard does not confirm it."""
+        if self.guard is not None:
+            confirmed, pairs = self.guard.confirm(certificate)
+            self.pairs += pairs
+            if confirmed is None:
                 return None
-            certificate = replace(certificate, stability=self.guard.stability)
+            certificate = confirmed
         return Outcome(self.criterion.status(certificate), certificate, self.pairs)
 
     def _conclude(self, reason: str) -> Outcome | None:

@@ -2,7 +2,7 @@
 
 What the loads before have left (memory.py) changes the initial gap and the modulus; with these a
 load is an elastic contact like any other. The errors of earlier loads make the changed gap
-uncertain (inherited.py), and count towards the errors of later ones.
+uncertain, and count towards the errors of later ones.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .inherited import InheritedError
-from .memory import Memory
+from .memory import InheritedError, Memory
 from .sweep import Sweep
 from .without_iterations import unloaded_contact
 from .working_surface import DOUBLE

@@ -19,18 +19,16 @@ from ..parallel import interrupt
 from ..parallel.grid import Grid
 from ..parallel.halo import neighbours
 from ..parallel.threads import on_threads
-from .box import Box
+from .box import Box, Rectangle
 from .decimation import Decimation
 from .grid_errors import CoarseContact, coarser_contacts
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
-    from ..parallel.comm import Comm
     from ..solvers.base import Solver
     from .target import Target
 
     MakeSolver = Callable[[Problem], Solver]
-    FindBox = Callable[[Problem, np.ndarray], Box | None]
 
 # Factor by which the residual is reduced on a coarse grid, once for each finer grid. More would be
 # of no use, because each finer grid adds about as much residual again. Measured by FFT pairs and
@@ -100,17 +98,6 @@ class Nested:
             self.coarser = Nested(self.step.coarse, dtype, finer + 1)
 
     @property
-    def is_coarsest(self) -> bool:
-        """Whether the grid has no coarser one. The same on all ranks."""
-        return self.step is None
-
-    @property
-    def coarsening(self) -> list[int]:
-        """Points per point of the next coarser grid, which must exist, along x and y."""
-        assert self.step is not None  # there is a coarser grid
-        return self.step.steps
-
-    @property
     def grids(self) -> list[Grid]:
         """The coarser grids of which this rank owns rows, finest first."""
         return [self.coarser.grid, *self.coarser.grids] if self.coarser is not None else []
@@ -121,36 +108,41 @@ class Nested:
         make_solver: MakeSolver,
         target: Target,
         into: np.ndarray | None = None,
-        find_box: FindBox | None = None,
+        in_box: bool = False,
     ) -> Candidate:
         """Solve roughly on coarser grids, from `cold_gap` on the coarsest, and interpolate.
         Collective.
 
         `target` has or finds, and changes, p0 on every grid. `into` gets the gap, perhaps that of
-        problem.h. find_box, before a start on the next coarser grid, may return a Box: then, if it
-        has the heights of this grid, nothing more is solved. Stopped is raised on all ranks.
+        problem.h. in_box: where a box holds all points that can touch, by the start on the next
+        coarser grid and the heights of this one, return that, and solve nothing more. Stopped is
+        raised on all ranks.
         """
         if self.step is None:
             g = cold_gap(problem)
             if into is not None:
                 into[...] = g
             return Candidate(g if into is None else into)
+        comm = problem.grid.comm
         coarse = self.step.problem(problem)
-        start, box = self._start_of_coarse(coarse, make_solver, target, find_box, problem.grid.comm)
+        start = None
+        with interrupt.shared(comm, None) as found:
+            if coarse is not None and self.coarser is not None:
+                start = self.coarser.start(coarse, make_solver, target)
+                if in_box and start.coarser:
+                    found.value = self._box_by(coarse, start.gap, self.step.steps)
+        box = found.value
         if box is not None:
             gap = None if start is None else start.gap
             touching = self.step.touching(problem, coarse, gap)
-            box = Box.around(touching, self.grid, self.grids, self.grid.comm)
+            box = Box.around(touching, self.grid, self.grids, comm)
         solver = None
-        full = False
-        pairs = 0.0
-        coarser: Sequence[CoarseContact] = ()
-        signal = 0
-        if coarse is not None and start is not None:
-            try:
+        with interrupt.shared(comm, (False, 0.0, ())) as solved:
+            if coarse is not None and start is not None:
                 assert start.gap is not None  # no box was asked for there
                 coarse = replace(coarse, p0=target.begin(coarse))
                 pairs = start.pairs
+                full = False
                 scale = coarse.grid.a / problem.grid.a
                 if box is not None:
                     coarser = [c._replace(gap_mean=c.gap_mean * scale) for c in start.coarser]
@@ -161,40 +153,21 @@ class Nested:
                     full = not coarse.grid.padded and contact == coarse.grid.N
                     coarser = coarser_contacts(solver, start.coarser, scale)
                 pairs *= coarse.grid.cell_points / problem.grid.cell_points
-            except interrupt.Stopped as stopped:
-                signal = stopped.number
-        # rank 0 has a part in all grids
-        full, pairs, coarser, signal = problem.grid.comm.bcast((full, pairs, coarser, signal))
-        if signal:
-            raise interrupt.Stopped(signal)
-        target.agree(problem.grid.comm)
+                solved.value = full, pairs, coarser
+        full, pairs, coarser = solved.value
+        target.agree(comm)
         if box is not None:
             return Candidate(None, pairs, coarser, box)
-        gap = _prolong(problem, self.step, coarse, solver, full, into)
-        return Candidate(gap, pairs, coarser)
+        return Candidate(_prolong(problem, self.step, coarse, solver, full, into), pairs, coarser)
 
-    def _start_of_coarse(
-        self,
-        coarse: Problem | None,
-        make_solver: MakeSolver,
-        target: Target,
-        find_box: FindBox | None,
-        comm: Comm,
-    ) -> tuple[Candidate | None, Box | None]:
-        """Return the start on the next coarser grid, None without rows, and its box. Collective."""
-        start = box = None
-        signal = 0
-        if coarse is not None and self.coarser is not None:
-            try:
-                start = self.coarser.start(coarse, make_solver, target)
-                if find_box is not None and start.gap is not None and start.coarser:
-                    box = find_box(coarse, start.gap)
-            except interrupt.Stopped as stopped:
-                signal = stopped.number
-        box, signal = comm.bcast((box, signal))
-        if signal:
-            raise interrupt.Stopped(signal)
-        return start, box
+    def _box_by(self, coarse: Problem, gap: np.ndarray | None, steps: Sequence[int]) -> Box | None:
+        """Return the box around what touches on the next coarser grid. Collective on its ranks."""
+        assert gap is not None  # no box was asked for there
+        points = coarse.grid.inside[1]
+        touching = Rectangle.of(coarse.grid, lambda i0, i1: gap[i0:i1, :points] <= 0)
+        if touching is not None:
+            touching = touching.times(steps)
+        return Box.around(touching, self.grid, self.grids, coarse.grid.comm)
 
 
 def roughly_solved(

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from ..solvers.base import Solver
     from .grid_errors import CoarseContact
     from .load import Load
-    from .nested import FindBox
     from .working_surface import WorkingSurface
 
 # A load starts from the one before if it is larger or smaller by less than this factor, else from
@@ -155,13 +154,12 @@ class Starter:
         solved on this grid if there is none. Collective.
         """
         bare = replace(problem, attraction=None)
-        nested = self.working.nested()
-        find_box = self._box_finder(load, nested) if in_box else None
-        start = nested.start(bare, self._make, load.target, memory, find_box)
+        in_box = in_box and self._may_be_in_box(load)
+        start = self.working.nested().start(bare, self._make, load.target, memory, in_box)
         if problem.attraction is None:
             may_be_closed = load.is_pressure and load.p0 >= problem.body.full_p_star
             return start._replace(may_be_solved=may_be_closed)
-        if not nested.is_coarsest or start.gap is None:
+        if start.coarser or start.gap is None:
             return start._replace(coarser=())
         rough = roughly_solved(bare, self._make, start.gap, WITHOUT_ATTRACTION, Target(problem.p0))
         return Candidate(rough.state.g, start.pairs + rough.pairs)
@@ -194,21 +192,12 @@ class Starter:
 
     # -- in a box
 
-    def _box_finder(self, load: Load, nested: Nested) -> FindBox | None:
-        """Return what finds the box of a light contact; None if it needs the whole grid."""
+    def _may_be_in_box(self, load: Load) -> bool:
+        """Return whether a box may hold the contact: an elastic one at a given load, free edges."""
         model = self.working.model
-        is_open = all(m < n for m, n in zip(nested.grid.nominal, nested.grid.n))
-        if load.target.is_sought or model.attraction or model.hardness or not is_open:
-            return None
-
-        def find(coarse: Problem, gap: np.ndarray) -> Box | None:
-            points = coarse.grid.inside[1]
-            touching = Rectangle.of(coarse.grid, lambda i0, i1: gap[i0:i1, :points] <= 0)
-            if touching is not None:
-                touching = touching.times(nested.coarsening)
-            return Box.around(touching, nested.grid, nested.grids, coarse.grid.comm)
-
-        return find
+        grid = self.working.surface.grid
+        is_open = all(m < n for m, n in zip(grid.nominal, grid.n))
+        return is_open and not (load.target.is_sought or model.attraction or model.hardness)
 
     def _start_in_box(self, load: Load, problem: Problem, best: Candidate) -> Start:
         """Start from the contact in a box, or in a larger one if points beyond it penetrate."""

@@ -44,9 +44,9 @@ EQUIVALENCE = 1.8
 class Multilevel:
     """Sweep of the multilevel preconditioner M over the coarse levels of a grid, in one precision.
 
-    `update`, `restrict` or `restrict_from` put a state on level 1: r, the pressure out of contact,
-    t, 1 in contact, and (the first two) K d of the last step. `sweep` makes z = M r and overwrites
-    r. Making a Multilevel is collective.
+    `update` or `restrict` put a state on level 1: r, the pressure out of contact, t, 1 in contact,
+    and K d of the last step; `sweep` makes z = M r there and overwrites r. `precondition` does both
+    for any field of the grid. Making a Multilevel is collective.
 
     - `distributed`: how many levels below the grid are shared by ranks; `coarsest` sweeps the
       levels below these, None on ranks that have no part in them; `last_comm`: the ranks that do.
@@ -175,11 +175,11 @@ class Multilevel:
         """
         for k in range(self.distributed):
             self._gather(k)
-            self.restrict_from(k + 1, self.owned[k][:2])
+            self._restrict_from(k + 1, self.owned[k][:2])
         rz, xz, *sums, mean = self._sweep_coarsest(new_share)
         for k in reversed(range(self.distributed)):
             fields = self.owned[k]
-            rz, xz, *level_sums = self.smooth(k + 1, fields, fields[0])
+            rz, xz, *level_sums = self._smooth(k + 1, fields, fields[0])
             weight = self.hierarchy.area.weights[k + 1]
             sums = [total + weight * term for total, term in zip(sums, level_sums)]
             self._hand_out(k)
@@ -187,7 +187,7 @@ class Multilevel:
         ratio = self.grid.cell_points / (m_x * m_y)
         return rz * ratio, xz * ratio, mean, *sums
 
-    def restrict_from(self, k: int, fine: np.ndarray) -> None:
+    def _restrict_from(self, k: int, fine: np.ndarray) -> None:
         """Restrict r and t of level k (0: the grid) to the next one's window. Not collective."""
         coarse = self.fields[k][:2]
         transfer = self.transfers[k]
@@ -203,7 +203,7 @@ class Multilevel:
         self.fields[k][2:, 1:2] = 0
         self.fields[k][2:, -1:] = 0
 
-    def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
+    def _smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
         """Make z of level k (0: the grid) from r, t there and z of the next. Not collective.
         Returns <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s>, <r, s> over counted rows; `out` may
         be r.
@@ -233,6 +233,14 @@ class Multilevel:
         halo = [(i0, i1) for i0, i1 in ((0, begin), (end, rows)) if i0 < i1 <= rows]
         sums = on_threads(self.grid.threads, smooth_rows, counted + halo, self.scratch)
         return added(sums[: len(counted)], SUMS)
+
+    def precondition(self, fields: np.ndarray, out: np.ndarray) -> float:
+        """Set out = M r over the compliance of the shortest wave, for r and t on the grid itself
+        (`fields`; all with halo rows); return <r, out>. Collective.
+        """
+        self._restrict_from(0, fields)
+        self.sweep()
+        return float(self.comm.sum([self._smooth(0, fields, out)[0]])[0])
 
     def _gather(self, k: int) -> None:
         """Complete the sums, and bring rows of level k + 1 to the ranks that go on. Collective."""

@@ -109,10 +109,8 @@ def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float
         residual[i0:i1] -= alpha * x[: i1 - i0] * (1 - closed[i0:i1])
 
     while True:
-        levels.restrict_from(0, residual_and_contact)
-        levels.sweep()
         rz_before = rz
-        rz = float(grid.comm.sum([levels.smooth(0, residual_and_contact, z)[0]])[0])
+        rz = levels.precondition(residual_and_contact, z)
         beta = rz / rz_before if rz > 0 else 0.0
         inner = sum(elastic.pressure_rows(fill))
         dKd, inner = grid.comm.sum([elastic.columns(), inner]).tolist()

@@ -3,8 +3,9 @@
 import os
 import signal
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from types import SimpleNamespace
 from typing import Any, Self
 
 from ..util.errors import SceneError
@@ -41,6 +42,22 @@ def check(comm: Comm) -> None:
         and whole is _running.comm
         and (number := int(comm.max([_running.signal])[0]))
     ):
+        raise Stopped(number)
+
+
+@contextmanager
+def shared(comm: Comm, value: Any) -> Iterator[SimpleNamespace]:
+    """A block in which only some ranks, rank 0 among them, have work: its `value` is then that of
+    rank 0 on all, and Stopped is raised on all. Collective.
+    """
+    result = SimpleNamespace(value=value)
+    number = 0
+    try:
+        yield result
+    except Stopped as stopped:
+        number = stopped.number
+    result.value, number = comm.bcast((result.value, number))
+    if number:
         raise Stopped(number)
 
 
