@@ -28,9 +28,12 @@ REACH = 1.75
 # Up to FEW points may change sides if this takes less than so many times that rms error. Chosen:
 # from 3 to 24 no area of 200 light loads is wrong, for 3 % of the pairs.
 FARTHEST = 12.0
+# Chosen: from .75 to 12 no area of 73 random, ordered and hard walls is wrong, for 4 % of the
+# pairs.
 FEW = 3.0
 # Changes of pressure below so many times its rms rounding error cannot tell on which side a point
-# is.
+# is: of normal errors one in 16,000 is larger. Insensitive: the same pairs and areas from 1 to 16
+# on the same walls.
 TIED = 4.0
 # smallest number in each bin of a histogram, over the largest of all
 SMALLEST = np.append(2.0 ** (-np.arange(1, BINS) / PER_OCTAVE), 0.0)

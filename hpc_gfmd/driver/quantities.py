@@ -29,7 +29,9 @@ POINT = 1 + 1e-9  # points by which an area may always be missed
 # `opening_load` below which a gap is sought from full contact. Chosen: alike from 5 to 20; at .2
 # gaps of 1e-5 h_rms take 3 times the pairs, at 1000 those of 1e-2 h_rms 1.7 times
 NEARLY_CLOSED = 5.0
-FIELD = 0.1  # share of the error of the pressure field that counts as error of an approach
+# Share of the error of the pressure field that counts as error of an approach. Chosen: from .025 to
+# .4 no approach of 27 open walls and layers is wrong, and loads take 22.8 to 19.6 pairs.
+FIELD = 0.1
 
 
 class Gap(Root):
