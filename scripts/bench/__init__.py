@@ -1,2 +1,2 @@
-"""Measurements of speed: kernels, transforms, time against true error, and other codes on the same
+"""Measurements of speed: solves, files, time against true error, and other codes on the same
 surfaces."""

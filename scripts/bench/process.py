@@ -16,11 +16,14 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
+from hpc_gfmd.operators.elastic import Elastic
+from hpc_gfmd.operators.multilevel import Multilevel
+from hpc_gfmd.solvers import solver_class
+
 from .contacts import RoughContact
-from .kernels import watch_passes
 from .peak import peak_mib
 from .report import Report
-from .timing import Process, ratio, run_workers, serve, summary
+from .timing import Process, Stopwatch, ratio, run_workers, serve, summary
 
 
 def run(args):
@@ -77,7 +80,11 @@ def worker(comm, n, p_star, boundary="periodic", companions=0, **settings):
     contact = RoughContact(n, p_star, boundary=boundary)
     contact.surface  # noqa: B018 (made before anything is timed)
     cold_seconds = contact.press(**settings)[0]["seconds"]
-    watch = watch_passes()
+    watch = Stopwatch()
+    solver = solver_class("auto")
+    passes = ((solver, "_search"), (solver, "_update"), (Elastic, "columns"), (Multilevel, "sweep"))
+    for owner, method in passes:
+        watch.watch(owner, method, "passes")
     arguments = {"n": n, "p_star": p_star, "boundary": boundary} | settings
     command = [sys.executable, "-m", "bench.process", json.dumps(arguments)]
     processes = [Process("companion", command) for _ in range(companions)]
@@ -98,7 +105,7 @@ def worker(comm, n, p_star, boundary="periodic", companions=0, **settings):
         del row["p_star"]  # it is among the arguments
         return row | {
             "cold_seconds": cold_seconds,
-            "outside_passes": 1 - sum(watch.take().values()) / row["seconds"],
+            "outside_passes": 1 - watch.take()["passes"] / row["seconds"],
             "peak_mib": peak_mib(),
         }
 

@@ -32,7 +32,7 @@ def test_the_same_number_of_ranks(comm, shared_path, monkeypatch, solver, bounda
     pieces.compare(rel=2e-5)
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("boundary", ["periodic", pytest.param("free", marks=pytest.mark.quick)])
 def test_another_number_of_ranks(comm, shared_path, monkeypatch, boundary):
     """Started on all ranks, resumed on one and then on all again, and vice versa."""
     pieces = Pieces(monkeypatch, comm, shared_path)
@@ -46,7 +46,7 @@ def test_another_number_of_ranks(comm, shared_path, monkeypatch, boundary):
         pieces.compare(rel=1e-8)
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("boundary", [pytest.param("periodic", marks=pytest.mark.quick), "free"])
 def test_a_history_on_another_number_of_ranks(comm, shared_path, monkeypatch, boundary):
     """Its memory is taken up by one rank and by all, after a stop and after a kill."""
     pieces = Pieces(monkeypatch, comm, shared_path)

@@ -17,6 +17,7 @@ def numbers_of(ranks, per_node, folder):
 
 
 @pytest.mark.slow
+@pytest.mark.alone
 def test_2048(tmp_path):
     if mpi_harness.missing():
         pytest.skip(f"{mpi_harness.missing()} is missing")

@@ -19,6 +19,7 @@ FIELDS = "gap", "pressure"
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.alone,
     pytest.mark.skipif(os.getuid() != 0, reason="only root can hide the other MPI"),
     pytest.mark.skipif(
         bool(MISSING),

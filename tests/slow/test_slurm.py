@@ -16,6 +16,7 @@ CAN_RUN = (
 
 
 @pytest.mark.slow
+@pytest.mark.alone
 @pytest.mark.skipif(not CAN_RUN, reason="needs root, mpirun, and Slurm or apt-get to install it")
 @pytest.mark.parametrize("part", ["mpirun", "srun", "array", "scaling", "chain", "startup"])
 def test_jobs_of_one_machine(part):

@@ -47,6 +47,7 @@ def watch(job, folder):
 
 
 @pytest.mark.slow
+@pytest.mark.alone
 @pytest.mark.parametrize("ranks", [None, 2])
 def test_soak(ranks, tmp_path, monkeypatch):
     (tmp_path / "soak.toml").write_text(SCENE)

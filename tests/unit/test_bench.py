@@ -124,8 +124,8 @@ peers --boundary free --codes tamaas | allowed: aspher-fft
 peers --boundary free --hardness 1 | --hardness: with free edges
 peers --boundary open | --boundary: found 'open', allowed: periodic, free
 pairs --surfaces 2 | --surfaces: found 1 numbers, allowed: one for each
-kernels --n 63 | --n: found
-kernels --repeats 0 | --repeats: found 0
+process --n 63 | --n: found
+process --repeats 0 | --repeats: found 0
 """)
 
 
@@ -169,7 +169,6 @@ SMALL = {  # of every item that needs no other code
     "user": "--n 16",
     "light": "--n 64 --roughness 0.1 --a-r 0.01",
     "pairs": "--n 32 64 --surfaces 2 1 --accuracy 1e-2",
-    "kernels": "--n 64 --precision single",
     "accuracy": "--n 64 --hurst 0.8 --p-star 0.05 --solvers bpx --accuracy 1e-2 1e-4",
     "scaling": "--n 64 --ranks 1 --threads 1 --precision double",
     "storage": "--n 64",

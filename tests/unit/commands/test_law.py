@@ -2,10 +2,8 @@
 
 import json
 
-import numpy as np
 import pytest
 from contacts import scene_text
-from mpi_harness import call, missing
 
 import hpc_gfmd
 
@@ -64,15 +62,3 @@ def test_a_law_with_a_load_that_is_not_converged(scene, cli, tmp_path):
     completed = cli("law", scene, *wide, "--quantities", "a_r", "--set", few, "-q", "-o", path)
     assert completed.code == 3
     assert not hpc_gfmd.read_law(path).converged
-
-
-@pytest.mark.skipif(missing() != "", reason="needs an MPI launcher")
-def test_ranks_compute_the_same_law(scene, cli):
-    data = json.loads(cli.prints("law", scene, *RANGE, "--json"))
-    completed = call(2, ["law", scene, *RANGE, "--json"])
-    assert completed.returncode == 0, completed.stderr
-    for name, values in data["law"].items():
-        if not name.endswith("_error"):
-            np.testing.assert_allclose(
-                json.loads(completed.stdout)["law"][name], values, rtol=2e-3, atol=1e-6
-            )

@@ -1,7 +1,4 @@
-"""Messages about compilation, and what a first solve loads."""
-
-import subprocess
-import sys
+"""Messages about compilation."""
 
 import numba
 import numpy as np
@@ -55,17 +52,3 @@ def test_solve_announces_compilation(progress, monkeypatch, capsys):
     captured = capsys.readouterr()
     assert "compiling" in captured.err
     assert "compiling" not in captured.out
-
-
-def test_a_solve_does_not_import_matplotlib():
-    """That takes a tenth of a second or more in every process."""
-    program = """
-import sys
-import numpy as np
-import hpc_gfmd
-heights = np.add.outer(np.arange(8) % 3, np.arange(8) % 2) * 0.1
-solution = hpc_gfmd.solve(heights, p_star=0.1)
-assert "matplotlib" not in sys.modules
-assert "doi" in str(solution.references())
-"""
-    subprocess.run([sys.executable, "-c", program], check=True)

@@ -89,13 +89,13 @@ CASES = {
     "layer": (scene(2048) | {"material": {"thickness": 0.01, "nu1": 0.3}}, "float32"),
 }
 
+LARGE = pytest.mark.slow, pytest.mark.alone
+
 
 @pytest.mark.parametrize(
     ("name", "ranks"),
     [
-        pytest.param(
-            name, ranks, marks=() if name[:5] == "quick" and ranks == 1 else pytest.mark.slow
-        )
+        pytest.param(name, ranks, marks=() if name[:5] == "quick" and ranks == 1 else LARGE)
         for name in CASES
         for ranks in (1, 2)
     ],
