@@ -20,7 +20,7 @@ from ..parallel.comm import Comm
 from ..parallel.committed import commit, recover
 from ..parallel.grid import Grid
 from ..parallel.guard import on_rank_0
-from ..parallel.h5 import lay_out, mpi_io_obstacle, write_file, write_rows
+from ..parallel.h5 import SLACK, lay_out, mpi_io_obstacle, write_file, write_rows
 from ..util.atomic import sync
 from ..util.errors import GfmdError, SceneError
 from .claim import EarlierRun, claim
@@ -121,7 +121,8 @@ class RunFile(AbstractContextManager):
     def require_space(self, loads: int, fields: Sequence[str], dtype: DTypeLike) -> None:
         """Raise SceneError if the disk is too small for the next loads (packed: unknown)."""
         count = loads * len([name for name in fields if name != "heights"])
-        needed = count * self._n[0] * self._n[1] * np.dtype(self._dtype or dtype).itemsize
+        points = self._n[0] * self._n[1]
+        needed = SLACK + count * points * np.dtype(self._dtype or dtype).itemsize
 
         def check() -> None:
             """Compare with the disk of the folder."""

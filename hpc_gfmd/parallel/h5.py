@@ -24,7 +24,7 @@ VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping 
 # per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
 PIECE_BYTES = 2**26
 PACKED = {"shuffle": True, "compression": "gzip", "compression_opts": 1}
-_SLACK = 2**16  # bytes of everything but fields, generous: what is not needed is given back
+SLACK = 2**16  # bytes of everything but fields, generous: what is not needed is given back
 _PER_CHUNK = 64  # bytes of HDF5's own for each row that is packed
 
 
@@ -89,7 +89,7 @@ def lay_out(
     if not more:
         with h5py.File(path, "w", libver=VERSIONS, locking=False):
             pass
-    space = _SLACK
+    space = SLACK
     for shape, dtype in fields.values():
         numbers = prod(shape) * dtype.itemsize
         space += numbers + compressed * (numbers // 500 + _PER_CHUNK * shape[0])

@@ -11,6 +11,7 @@ from result_files import FIELD, STEP, begin, complete, interrupted, names
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.committed import committed_file
+from hpc_gfmd.parallel.h5 import SLACK
 from hpc_gfmd.runs.simulation import restart
 
 
@@ -154,7 +155,7 @@ def test_what_is_cut_short_leaves_the_finished_loads(path, monkeypatch, last, co
 
 def test_a_disk_that_is_too_small_is_refused(path, monkeypatch):
     usage = shutil.disk_usage(path.parent)
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=6 * 30 * 4))
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=SLACK + 6 * 30 * 4))
     with begin(path) as run:
         run.require_space(3, ["gap", "pressure", "heights"], np.float32)
         with refused(r"output\.fields: .* needed for 4 loads"):
