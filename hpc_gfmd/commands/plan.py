@@ -48,13 +48,14 @@ def main(args: Namespace) -> int:
             )
     scene = load_scene(args.scene, args.set)
     check(scene)
-    n, sizes = surface_size(scene.surface)
+    size = surface_size(scene.surface)
+    n_x, n_y = size.n
     core_count = len(cores())
     threads = args.threads or scene.machine.threads
     if threads == "auto":
-        threads = auto_threads(n[0] * n[1], args.ranks, core_count)
+        threads = auto_threads(n_x * n_y, args.ranks, core_count)
     per_node = min(args.ranks, args.ranks_per_node or ranks_per_node(args.ranks, threads))
-    plan = plan_of(scene, n, sizes, args.ranks, per_node, threads, core_count)
+    plan = plan_of(scene, size, args.ranks, per_node, threads, core_count)
     gib_available = scene.machine.memory_gib or available_gib()
     plan["gib_available"] = gib_available
     print(as_json(plan, 1) if args.json else text_of(plan))
@@ -65,7 +66,7 @@ def main(args: Namespace) -> int:
     gib = plan["gib"] if ranks_here == args.ranks else ranks_here * plan["gib_per_rank"]
     if gib > gib_available:
         raise SceneError(
-            f"surface: {n[0]} x {n[1]} points need {gib:.2f} GiB on {ranks_here} of {args.ranks}"
+            f"surface: {n_x} x {n_y} points need {gib:.2f} GiB on {ranks_here} of {args.ranks}"
             f" ranks, this machine has {gib_available:.2f} GiB: use more machines, fewer points or"
             " single precision"
         )

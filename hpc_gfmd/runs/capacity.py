@@ -1,12 +1,13 @@
 """Check that a machine has the memory that a scene takes."""
 
 import platform
+from math import prod
 
 from ..driver.precision import least_precision
 from ..parallel.comm import Comm
-from ..parallel.grid import Grid
 from ..parallel.guard import raise_on_all
 from ..scene import Scene
+from ..surface import Size
 from ..util.errors import SceneError
 from ..util.machine import available_gib, limit_gib
 from .memory import memory_of
@@ -14,15 +15,15 @@ from .memory import memory_of
 ADVICE = "use more machines, fewer points or single precision"
 
 
-def require_memory(comm: Comm, scene: Scene, grid: Grid, threads: int) -> None:
+def require_memory(comm: Comm, scene: Scene, size: Size, threads: int) -> None:
     """Raise SceneError on all ranks if a machine has, or its limits (ulimit -v, machine.memory_gib)
     allow, less memory than the lowest possible precision needs. Collective.
     """
-    single = memory_of(scene, grid.n, 4, comm.size, threads)
-    double = memory_of(scene, grid.n, 8, comm.size, threads)
-    gib_per_rank = double if least_precision(scene, grid.N).itemsize == 8 else single
+    single = memory_of(scene, size, 4, comm.size, threads)
+    double = memory_of(scene, size, 8, comm.size, threads)
+    gib_per_rank = double if least_precision(scene, prod(size.n)).itemsize == 8 else single
     gib_of_limit = float(comm.min([limit_gib()])[0])
-    n_x, n_y = grid.nominal
+    n_x, n_y = size.n
     if gib_per_rank > gib_of_limit:
         raise SceneError(
             f"surface: {n_x} x {n_y} points need {gib_per_rank:.2f} GiB on each of {comm.size}"

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
+from math import prod
 from os import PathLike
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -117,7 +118,7 @@ class Surfaces:
 
     comm: Comm
     threads: int  # of each rank
-    size: Size  # points and lengths along x and y
+    size: Size
     make: Callable[[np.dtype], Surface]  # make(dtype) makes it
     # Surfaces that can be used again, to which new ones are added; None if they cannot.
     kept: Kept | None = None
@@ -175,8 +176,7 @@ def surfaces_of_scene(
     size = on_rank_0(comm, "reading the surface", opened_size)
     if not is_only_one:
         topography = None
-    n, _ = size
-    threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
+    threads = threads_of(comm, scene.machine.threads, prod(size.n))
     low_memory = scene.solver.low_memory
 
     def make(dtype: np.dtype) -> Surface:
@@ -220,7 +220,7 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
     is_described = isinstance(wall, PreparedSurface) and wall.table is not None
     is_measured = hasattr(scene.surface, "path")
     n_x, n_y = topography.n
-    size = (n_x, n_y), topography.sizes
+    size = Size((n_x, n_y), topography.sizes)
     return Surfaces(comm, threads, size, make, kept, is_small, is_described, is_measured)
 
 

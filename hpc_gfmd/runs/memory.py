@@ -1,8 +1,10 @@
 """Forecast of the memory of a scene on each rank: never too low, and at most 25 % too high."""
 
+from math import prod
 from pathlib import Path
 
 from ..scene import File, Scene, each
+from ..surface import Size, cell_of
 from ..surface.prepare import asks_for_preparation
 from ..util.machine import GIB
 
@@ -48,25 +50,30 @@ def _is_read_whole(surface: File) -> bool:
     return asks_for_preparation(surface) or not is_array
 
 
-def _copies(surface: File) -> float:
-    """Return how many numbers in double precision a prepared map holds at once, over its points."""
+def _preparing(surface: File, size: Size) -> float:
+    """Return how many numbers in double precision the preparation of a map holds at once."""
+    after = prod(size.n)
     step = surface.downsample / surface.refine
-    mirrored = step**2  # points before they are resampled, over those after; likewise the next
-    read = mirrored / 2 ** sum(surface.mirrored)
+    mirrored = step**2 * after  # points before they are resampled; likewise the next
+    kept = mirrored / 2 ** sum(surface.mirrored)
     steps = surface.detrend, surface.window, surface.spikes, surface.flip
     is_changed = steps != ("none", "none", "keep", False)
-    copies = COPIES["filled"] if surface.fill != "none" else COPIES["read"]
+    copies = COPIES["filled"] if surface.fill != "none" else 1.0
     copies = COPIES["changed"] if is_changed else copies
     copies = COPIES["added"] if surface.bodies else copies
-    resampling = mirrored + step + 1 if step != 1 else 0.0
-    mirroring = read if any(surface.mirrored) else 0.0
-    return max(copies * read, resampling + mirroring, COPIES["built"])
+    resampling = mirrored + (step + 1) * after if step != 1 else 0.0
+    mirroring = kept if any(surface.mirrored) else 0.0
+    return max(
+        COPIES["read"] * size.read,
+        size.read + (copies - 1) * kept,  # a part that is cropped keeps the whole map
+        resampling + mirroring,
+        COPIES["built"] * after,
+    )
 
 
-def memory_of(
-    scene: Scene, cell: tuple[int, int], itemsize: int, ranks: int, threads: int = 1
-) -> float:
-    """Return GiB of the largest rank. cell: points with those beyond free edges."""
+def memory_of(scene: Scene, size: Size, itemsize: int, ranks: int, threads: int = 1) -> float:
+    """Return GiB of the largest rank."""
+    cell = cell_of(size.n, scene.surface.free, size.lengths)
     points = -(-cell[0] // ranks) * cell[1]  # of the longest slab
     output = scene.output
     bytes_per_point = BYTES[itemsize, scene.solver.low_memory, sum(scene.surface.free)]
@@ -92,7 +99,7 @@ def memory_of(
         passing.append(STABILITY * itemsize * points)
     nbytes += max(passing) + HALO * itemsize * cell[1]
     if scene.surface.kind == "file" and _is_read_whole(scene.surface):  # on rank 0
-        nbytes = max(nbytes, 8 * cell[0] * cell[1] * _copies(scene.surface))
+        nbytes = max(nbytes, 8 * _preparing(scene.surface, size))
     if getattr(scene.surface, "has_distribution", False):
         nbytes = max(nbytes, RANKED * cell[0] * cell[1])
     return nbytes / GIB + PROCESS_GIB + threads * THREAD_GIB

@@ -13,6 +13,7 @@ from .memory import memory_of
 
 if TYPE_CHECKING:
     from ..scene import Scene
+    from ..surface import Size
 
 # For the order of magnitude of the time, from scripts/bench: FFT pairs of a load to an accuracy of
 # 1e-3, and for each further decade; factor where the pressure is searched for.
@@ -27,15 +28,15 @@ START = "        and start-up: some seconds; up to half a minute of compiling at
 
 def plan_of(
     scene: Scene,
-    n: tuple[int, int],
-    sizes: tuple[float, ...],
+    size: Size,
     ranks: int,
     per_node: int,
     threads: int,
     cores: int,
 ) -> dict[str, Any]:
     """Return the forecast that `hpc-gfmd plan --json` prints: GiB, and seconds on this machine."""
-    cell = cell_of(n, scene.surface.free, sizes)
+    n = size.n
+    cell = cell_of(n, scene.surface.free, size.lengths)
     first_dtype = first_precision(scene.solver)
     dtypes = precisions(scene, n)  # None: unknown before the run
     itemsize = 8 if np.float64 in dtypes else first_dtype.itemsize
@@ -52,12 +53,12 @@ def plan_of(
         "notes": scene.warnings(),
         "idle_ranks": max(0, ranks - cell[0]),
         "points_per_rank": -(-cell[0] // ranks) * cell[1],
-        **_memory(scene, cell, itemsize, ranks, per_node, threads),
+        **_memory(scene, size, itemsize, ranks, per_node, threads),
         **_files(scene, n, cell, itemsize),
         "seconds": _seconds(scene, cell, precisions(scene, n, first_dtype)) / busy_cores,
     }
     if any(dtype is None for dtype in dtypes):
-        in_double = _memory(scene, cell, 8, ranks, per_node, threads)
+        in_double = _memory(scene, size, 8, ranks, per_node, threads)
         plan["gib_per_rank_in_double"] = in_double["gib_per_rank"]
         plan["gib_in_double"] = in_double["gib"]
         seconds = _seconds(scene, cell, precisions(scene, n, np.float64))
@@ -66,10 +67,10 @@ def plan_of(
 
 
 def _memory(
-    scene: Scene, cell: tuple[int, int], itemsize: int, ranks: int, per_node: int, threads: int
+    scene: Scene, size: Size, itemsize: int, ranks: int, per_node: int, threads: int
 ) -> dict[str, Any]:
     """Return the memory of a rank, of a node and of all ranks by name."""
-    gib_per_rank = memory_of(scene, cell, itemsize, ranks, threads)
+    gib_per_rank = memory_of(scene, size, itemsize, ranks, threads)
     return {
         "bytes_per_rank": round(gib_per_rank * GIB),
         "gib_per_rank": gib_per_rank,

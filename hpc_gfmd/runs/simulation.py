@@ -95,10 +95,10 @@ def run_scene(
     check(scene)
     surfaces = surfaces_of_scene(comm, scene)
     threads = surfaces.threads
-    n, sizes = surfaces.size
+    size = surfaces.size
     reporter = Reporter(comm, scene.solver, quiet)
-    grid = grid_of(n, sizes, comm, free=scene.surface.free, threads=threads)
-    require_memory(comm, scene, grid, threads)
+    grid = grid_of(size.n, size.lengths, comm, free=scene.surface.free, threads=threads)
+    require_memory(comm, scene, size, threads)
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
     output = scene.output
     how_to_continue = f"continue with: hpc-gfmd restart {output.path}"
@@ -112,7 +112,7 @@ def run_scene(
         RunFile(
             comm,
             output.path,
-            n,
+            size.n,
             grid.nominal_rows,
             head,
             {},

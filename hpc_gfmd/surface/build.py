@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from math import prod
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -12,7 +13,7 @@ from ..parallel.comm import SerialComm
 from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.interrupt import check
-from ..scene import has_unit
+from ..scene import each, has_unit
 from ..util.errors import SceneError
 from .analytic import Rows, flat_rows, wave_rows
 from .cell import grid_of, nominal_part
@@ -30,19 +31,27 @@ from .topography import Topography, open_topography
 ROWS = 64  # of a map that are read at a time
 MODES = {"self-affine": self_affine_modes, "spectrum": spectrum_modes, "fourier": fourier_modes}
 
-Size = tuple[tuple[int, int], tuple[float, ...]]  # points along x and y, and lengths
+
+class Size(NamedTuple):
+    """How large a surface is, before it is made."""
+
+    n: tuple[int, int]  # points along x and y
+    lengths: tuple[float, ...]  # (L_x, L_y)
+    read: int = 0  # points of the maps that are read for it
 
 
 def open_surface(spec: Any) -> tuple[Topography | None, Size]:
     """Return the opened map of a [surface] (None without a file) and its size. Not collective."""
     if spec.n is not None:
-        return None, (tuple(spec.n), spec.physical_sizes)
+        return None, Size(tuple(spec.n), spec.physical_sizes)
     topography = open_topography(spec)
-    return topography, prepared_size(topography, spec)
+    maps = topography.bodies or (topography,) * len(each(spec.path))
+    read = sum(prod(one_map.n) for one_map in maps)
+    return topography, Size(*prepared_size(topography, spec), read)
 
 
 def surface_size(spec: Any) -> Size:
-    """Return (n_x, n_y) and (L_x, L_y) of a surface; see `open_surface`."""
+    """Return the size of a surface; see `open_surface`."""
     _, size = open_surface(spec)
     return size
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import mpi_harness
 import numpy as np
 import pytest
-from contacts import rough
+from contacts import rough, rough_wall
 
 from hpc_gfmd.runs.memory import memory_of
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.surface import cell_of
+from hpc_gfmd.surface import surface_size
 
 PEAK = Path(__file__).with_name("peak.py")
 ABOVE = 0.25  # largest relative excess of the forecast
@@ -41,10 +41,8 @@ def measured(table, ranks, folder):
 def forecast(table, ranks, precision, threads):
     """Forecast GiB on the largest rank, without pages of files."""
     scene = Scene.from_dict(table)
-    n = scene.surface.n
-    cell = cell_of(n, scene.surface.free, (1.0, 1.0))
     itemsize = np.dtype(precision).itemsize
-    return memory_of(scene, cell, itemsize, ranks, threads) - LIBRARIES_GIB
+    return memory_of(scene, surface_size(scene.surface), itemsize, ranks, threads) - LIBRARIES_GIB
 
 
 def check(table, ranks, folder, precision):
@@ -103,3 +101,12 @@ LARGE = pytest.mark.slow, pytest.mark.alone
 def test_memory(name, ranks, tmp_path):
     table, precision = CASES[name]
     check(table, ranks, tmp_path, precision)
+
+
+def test_memory_of_a_part_of_a_map(tmp_path):
+    """The whole map is read, also where a sixteenth of it is pressed."""
+    path = str(tmp_path / "z.npy")
+    np.save(path, np.tile(rough_wall((2, 128, 2)).heights, (8, 8)))
+    table = scene(512)
+    table["surface"] = {"kind": "file", "path": path, "physical_sizes": [8, 8], "crop": [0, 0, 2, 2]}
+    check(table, 1, tmp_path, "float32")

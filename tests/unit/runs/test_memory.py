@@ -10,10 +10,9 @@ from refusal import refused
 from scene_tables import rows, scene_of
 
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.runs import capacity, memory
 from hpc_gfmd.runs.plan import plan_of
-from hpc_gfmd.surface import build_surface
+from hpc_gfmd.surface import build_surface, surface_size
 from hpc_gfmd.util import machine
 
 GIB = machine.GIB
@@ -35,7 +34,7 @@ def write_group(folder, limit, used, cached=0, version=2):
 
 def assert_too_little(words):
     with refused(words):
-        capacity.require_memory(SerialComm(), SCENE, Grid(SCENE.surface.n), 1)
+        capacity.require_memory(SerialComm(), SCENE, surface_size(SCENE.surface), 1)
 
 
 @pytest.mark.parametrize(
@@ -79,24 +78,47 @@ def test_limit_of_the_process(monkeypatch):
         ('boundary = "mirror", detrend = "tilt"', 1024, 2048),
         ('boundary = "mirror", refine = 2', 512, 2048),
         ('fill = "harmonic"', 1024, 1024),
+        ("crop = [0, 0, 0.25, 0.25]", 2048, 512),
+        ('crop = [0, 0, 0.5, 0.5], detrend = "tilt"', 2048, 1024),
+        ('window = "hann"', 1024, 1024),
+        ('spikes = "median"', 1024, 1024),
     ],
 )
 def test_preparing_stays_within_the_forecast(keys, read, n):
     """One process holds the whole map, its largest form in at most three copies; of what is filled
     nine tenths are missing."""
-    z = np.ones((read, read))
-    z[: 9 * read // 10] = np.nan if "fill" in keys else 1.0
+    z = np.random.default_rng(1).standard_normal((read, read))
+    if "fill" in keys:
+        z[: 9 * read // 10] = np.nan
     np.save("z.npy", z)
-    surface = f'{{kind = "file", path = "z.npy", physical_sizes = [1, 1], {keys}}}'
-    scene = scene_of(f"surface = {surface} ; load = {{pressure = 0.1}}")
+    peak_gib, forecast = peak_and_forecast(f'path = "z.npy", physical_sizes = [1, 1], {keys}')
+    assert peak_gib < forecast < 2 * peak_gib
+    assert peak_gib < 3.2 * 8 * max(n, read) ** 2 / GIB
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.5])
+def test_adding_two_scans_stays_within_the_forecast(shift):
+    """Also where they overlap in a part only."""
+    z = np.random.default_rng(1).standard_normal((1024, 1024))
+    np.savetxt("fine.txt", z)
+    np.savetxt("coarse.txt", z[::2, ::2])
+    bodies = f'[{{path = "fine.txt"}}, {{path = "coarse.txt", shift = [{shift}, 0.0]}}]'
+    keys = f'bodies = {bodies}, physical_sizes = [1, 1], boundary = "mirror"'
+    peak_gib, forecast = peak_and_forecast(keys)
+    assert peak_gib < forecast < 2 * peak_gib
+
+
+def peak_and_forecast(keys):
+    """GiB that a map with keys of [surface] takes while it is prepared, and what is forecast."""
+    scene = scene_of(f'surface = {{kind = "file", {keys}}} ; load = {{pressure = 0.1}}')
     for _ in range(2):  # the first pass includes imports
         tracemalloc.start()
         build_surface(scene.surface, SerialComm(), np.float64)
         peak_gib = tracemalloc.get_traced_memory()[1] / GIB
         tracemalloc.stop()
-    several = memory.memory_of(scene, (n, n), 4, 64)  # ranks, so that the solver takes little
-    assert peak_gib < several - memory.PROCESS_GIB < 2 * peak_gib
-    assert peak_gib < 3 * 8 * max(n, read) ** 2 / GIB
+    size = surface_size(scene.surface)
+    several = memory.memory_of(scene, size, 4, 64)  # ranks, so that the solver takes little
+    return peak_gib, several - memory.PROCESS_GIB
 
 
 SURFACES = {
@@ -121,7 +143,7 @@ wave | pressure = 0.1 | float32
 def test_precision_of_a_plan(surface, load, precision):
     """The choice of precision = "auto", and both forecasts if it depends on the solution."""
     scene = scene_of(f"surface = {SURFACES[surface]} ; load = {{{load}}}")
-    plan = plan_of(scene, scene.surface.n, (1.0, 1.0), 4, 2, 1, 2)
+    plan = plan_of(scene, surface_size(scene.surface), 4, 2, 1, 2)
     assert plan["precision"] == precision.split()
     assert ("gib_in_double" in plan) == ("unknown" in precision)
     if "unknown" in precision:
