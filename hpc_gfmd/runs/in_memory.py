@@ -27,6 +27,7 @@ from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.thread_count import threads_of
 from ..scene import Scene, load_scene
 from ..surface import Size, Surface, build_surface, open_surface
+from ..surface.analytic import StoredRows
 from ..surface.build import surface_of
 from ..surface.heights import complete_array
 from ..surface.instruments import is_topography
@@ -81,7 +82,7 @@ def scene_of(
 def _require_boundary(heights: np.ndarray, scene: Scene) -> None:
     """Raise SceneError if opposite edges do not meet and the scene does not say what is there."""
     if scene.surface.boundary is None:
-        question = edges_of(lambda start, stop: heights[start:stop], heights.shape).question()
+        question = edges_of(StoredRows(heights), heights.shape).question()
         if question:
             raise SceneError(question)
 
@@ -188,12 +189,8 @@ def surfaces_of_scene(
 
 def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) -> Surfaces:
     """Return what makes the surface of a scene from heights in memory."""
-    array = _array_of(wall)
-
-    def rows_of(start: int, stop: int) -> np.ndarray:
-        """Return some rows of the heights in double precision."""
-        return np.asarray(array[start:stop], dtype=np.float64)
-
+    array = np.asarray(_array_of(wall))
+    rows = StoredRows(array)
     is_small = array.size <= SMALL
     kept: Kept | None = {} if is_small else None
     whole = scene.may_break_symmetry
@@ -201,7 +198,7 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
         topography = Topography(
             array.shape,
             wall.sizes,
-            rows_of,
+            rows,
             wall.unit,
             prepared=wall.prepared,
             notes=tuple(map(SurfaceWarning, wall.notes)),
@@ -210,7 +207,7 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
             kept = _surfaces.setdefault(wall, {}).setdefault(whole, {})
     else:
         sizes = tuple(float(size) for size in scene.surface.physical_sizes or ())
-        topography = Topography(array.shape, sizes, rows_of)
+        topography = Topography(array.shape, sizes, rows)
         topography = mirrored(topography, scene.surface.mirrored).on_form(scene.surface.radii)
     threads = threads_of(comm, scene.machine.threads, array.size)
 

@@ -13,6 +13,7 @@ from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..scene.height_maps import Reading
 from ..surface import build_surface
+from ..surface.analytic import StoredRows
 from ..surface.heights import checked, checked_array, complete_array
 from ..surface.instruments import is_topography, of_topography, unreliable
 from ..surface.metadata import Metadata
@@ -193,11 +194,10 @@ def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topograph
                 f"hpc_gfmd.combine_surfaces: found {of_files[0]}, which says how a file is read,"
                 f" with {path}, which is prepared, allowed: keys of what is done to the sum"
             )
-        heights = surface.heights
         return Topography(
-            heights.shape,
+            surface.heights.shape,
             surface.sizes,
-            lambda start, stop: heights[start:stop],
+            StoredRows(surface.heights),
             surface.unit,
             periodic=not any(surface.free) or None,
             path=path,

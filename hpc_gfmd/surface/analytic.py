@@ -1,11 +1,24 @@
 """Surfaces given by a formula."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 Rows = Callable[[int, int], np.ndarray]  # (start, stop) -> heights, float64 (stop - start, n_y)
+
+
+@dataclass(frozen=True)
+class StoredRows:
+    """The rows of heights `z` in memory, of which the first is row `begin` of the map."""
+
+    z: np.ndarray
+    begin: int = 0
+
+    def __call__(self, start: int, stop: int) -> np.ndarray:
+        """Return rows start <= i < stop, a view if they are in double precision."""
+        return np.asarray(self.z[start - self.begin : stop - self.begin], np.float64)
 
 
 def wave_rows(spec: Any) -> Rows:

@@ -13,13 +13,14 @@ from ..parallel.comm import SerialComm
 from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.interrupt import check
+from ..parallel.threads import PIECE_ROWS
 from ..scene import each, has_unit
 from ..util.errors import SceneError
-from .analytic import Rows, flat_rows, wave_rows
+from .analytic import Rows, StoredRows, flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .fourier import fourier_modes
 from .height_distribution import with_distribution
-from .heights import LARGEST, checked, checksum
+from .heights import LARGEST, checked, checksum, sums_of_rows
 from .modes import gap_of_modes
 from .prepare import asks_for_preparation, complete, notes_on, on_radius, prepare, prepared_size
 from .selfaffine import self_affine_modes
@@ -177,7 +178,7 @@ def _on_rank_0(make: Callable[[], Topography], spec: Any, comm: Any) -> Topograp
     elif comm.size > 1:
         comm.exchange({k: z[starts[k] : starts[k + 1]] for k in range(1, comm.size)}, {})
         z = z[begin:end].copy()
-    return replace(shared, rows=lambda start, stop: z[start - begin : stop - begin])
+    return replace(shared, rows=StoredRows(z, int(begin)))
 
 
 def _read_by_rows(topography: Topography | None, spec: Any, comm: Any) -> Topography:
@@ -213,43 +214,45 @@ def surface_of(
     sizes = topography.sizes
     cell = grid_of(n, sizes, comm, free, threads)
     grid = nominal_part(cell)
-    start, stop = grid.rows
     with collective_errors(comm, "reading the surface"):
-        z = grid.empty(np.float64)
-        for i in range(start, stop, ROWS):
-            rows = topography.rows(i, min(i + ROWS, stop))
-            z[i - start : i - start + ROWS] = checked(rows, i, "surface")
+        z = _local_rows(topography.rows, grid)
+        lowest, top, sums = _range_of(z, grid, with_checksum)
     check(comm)
     made = partial(
         Surface,
         n=n,
-        rows=(start, stop),
+        rows=grid.rows,
         unit=topography.unit,
         prepared=topography.prepared,
         map_notes=topography.notes,
+        checksum=checksum(comm, sums, n, sizes, topography.unit) if with_checksum else None,
     )
-    del topography  # the heights, where it holds them
-    if with_checksum:
-        made = partial(made, checksum=checksum(grid, z, n, sizes, made.keywords["unit"]))
-    top = _largest(grid, z)
-    _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # the gap, exact where it is small
+    del topography  # it may hold heights that are not needed any more
+    depth, top = comm.max([-lowest, top])
+    span = float(depth + top)
     if not cell.padded and not whole:
-        grid, z = _leave_out_constant_axis(grid, z)
+        grid, z = _leave_out_constant_axis(grid, z, top)
         cell = grid
-    span = _largest(grid, z)
     if span == 0.0:
-        return made(cell, z.astype(dtype), h_rms=0.0, g_rms=0.0)
+        return made(cell, np.zeros(z.shape, dtype), h_rms=0.0, g_rms=0.0)
     if span < 1 / LARGEST:
         raise SceneError(
             f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least"
             f" {1 / LARGEST:g}"
         )
-    centre = float(grid.comm.sum([sum(_by_rows(grid, np.sum, z))])[0]) / grid.N
-    scale = max(span - centre, centre)  # the largest of |z - centre|
+
+    def gap(i0: int, i1: int, out: np.ndarray | None = None) -> np.ndarray:
+        """Return the gap of some local rows, exact where it is small."""
+        return np.subtract(top, z[i0:i1], out=out)
+
+    total = sum(grid.by_rows(lambda i0, i1: gap(i0, i1).sum()))
+    centre = float(grid.comm.sum([total])[0]) / grid.N
+    scale = max(span - centre, centre)  # the largest of |gap - centre|
 
     def fill(i0: int, i1: int, x: np.ndarray) -> None:
-        np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
-        x[: i1 - i0] /= scale  # heights of 1e-200 or 1e200 have squares too
+        deviation = gap(i0, i1, x[: i1 - i0])
+        deviation -= centre
+        deviation /= scale  # heights of 1e-200 or 1e200 have squares too
 
     h_rms, g_rms = (
         scale * r
@@ -257,27 +260,58 @@ def surface_of(
     )
     if dtype != np.float64:
         grid.forget_fft(np.float64)
-    h = z if dtype == np.float64 else np.empty(z.shape, dtype)
-    _by_rows(grid, lambda z, h: np.divide(z, g_rms, out=h, casting="same_kind"), z, h)
+    h = grid.empty(dtype)
+
+    def divide(i0: int, i1: int) -> None:
+        np.divide(gap(i0, i1), g_rms, out=h[i0:i1], casting="same_kind")
+
+    grid.by_rows(divide)
     return made(cell, h, h_rms=h_rms, g_rms=g_rms / grid.a)
 
 
-def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> list:
-    """Return what function(rows of each field), which may change them, returns for each piece."""
-    return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
+def _local_rows(rows: Rows, grid: Grid) -> np.ndarray:
+    """Return the heights of this rank, read a few rows at a time; those in memory as they are (do
+    not change them).
+    """
+    start, stop = grid.rows
+    if isinstance(rows, StoredRows) and rows.z.dtype == np.float64:
+        return np.ascontiguousarray(rows(start, stop))
+    z = grid.empty(np.float64)
+    for i in range(start, stop, ROWS):
+        z[i - start : i - start + ROWS] = rows(i, min(i + ROWS, stop))
+    return z
 
 
-def _largest(grid: Grid, z: np.ndarray) -> float:
-    return float(grid.comm.max([max(_by_rows(grid, np.max, z), default=-np.inf)])[0])
+def _range_of(z: np.ndarray, grid: Grid, with_sums: bool) -> tuple[float, float, bytes]:
+    """Return the lowest and the highest of this rank's heights, and with_sums `sums_of_rows`;
+    SceneError for heights that are not finite or too large.
+    """
+
+    def of_piece(i0: int, i1: int) -> tuple[float, float, bytes]:
+        rows = z[i0:i1]
+        return rows.min(), rows.max(), sums_of_rows(rows) if with_sums else b""
+
+    pieces = grid.by_rows(of_piece)
+    lowest = np.min([low for low, _, _ in pieces], initial=np.inf)
+    highest = np.max([high for _, high, _ in pieces], initial=-np.inf)
+    if len(z) and not -LARGEST <= lowest <= highest <= LARGEST:
+        checked(z, grid.rows[0], "surface")
+    return lowest, highest, b"".join(sums for _, _, sums in pieces)
 
 
-def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
+def _leave_out_constant_axis(grid: Grid, z: np.ndarray, top: float) -> tuple[Grid, np.ndarray]:
     """Return grid and heights, the whole line on every rank with one point along the other axis if
-    the map varies along one axis only; a constant map keeps y. Collective.
+    the gap below `top` varies along one axis only; a constant map keeps y. Collective.
     """
     comm = grid.comm
     line = comm.bcast(z[:1].copy())
-    along_x, along_y = comm.max([np.any(z != line), np.any(z != z[:, :1])])
+
+    def differs(other: Callable[[np.ndarray], np.ndarray]) -> bool:
+        """Whether some rows have another gap than other(rows); the first few mostly tell."""
+        pieces = (z[i : i + PIECE_ROWS] for i in range(0, len(z), PIECE_ROWS))
+        return any(np.any(top - rows != top - other(rows)) for rows in pieces)
+
+    along_x, along_y = comm.max([differs(lambda rows: line), differs(lambda rows: rows[:, :1])])
     if 1 in grid.n or (along_x and along_y):
         return grid, z
     if along_x:

@@ -96,23 +96,26 @@ def checked(
     return z
 
 
-def checksum(
-    grid: Any, z: np.ndarray, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
-) -> str:
-    """Return a checksum of heights (slab), points, sizes and unit: BLAKE2 of the sums of rows times
-    odd random numbers modulo 2^64, so the same for any number of ranks. Collective.
+def sums_of_rows(z: np.ndarray) -> bytes:
+    """Return a number for each row of heights, for `checksum`: the sum of its numbers times odd
+    random ones modulo 2^64.
     """
-    factors = _odd_factors(z.shape[1])
+    bits = z.view(np.uint64)
+    bits = bits ^ (bits >> np.uint64(32))  # round heights have no lower bits
+    bits *= _odd_factors(z.shape[1])
+    return bits.sum(axis=1, dtype=np.uint64).astype("<u8").tobytes()
 
-    def of_rows(i0: int, i1: int) -> bytes:
-        bits = np.ascontiguousarray(z[i0:i1], np.float64).view(np.uint64)
-        bits = (bits ^ (bits >> np.uint64(32))) * factors  # round heights have no lower bits
-        return bits.sum(axis=1, dtype=np.uint64).astype("<u8").tobytes()
 
+def checksum(
+    comm: Any, sums: bytes, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
+) -> str:
+    """Return a checksum of heights, points, sizes and unit: BLAKE2 of `sums_of_rows` of this rank's
+    rows, so the same for any number of ranks. Collective.
+    """
     shape = repr((tuple(map(int, n)), tuple(map(float, sizes)), unit))
     whole = hashlib.blake2b(shape.encode(), digest_size=16)
-    whole.update(grid.comm.reduce(b"".join(grid.by_rows(of_rows)), operator.add) or b"")
-    return str(grid.comm.bcast(whole.hexdigest()))
+    whole.update(comm.reduce(sums, operator.add) or b"")
+    return str(comm.bcast(whole.hexdigest()))
 
 
 @lru_cache(maxsize=2)

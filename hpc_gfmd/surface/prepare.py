@@ -12,6 +12,7 @@ import numpy as np
 
 from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
+from .analytic import StoredRows
 from .fill import filled
 from .form import form_notes
 from .quality import DOUBT, edges_of, quality_of, window_notes, without_outliers
@@ -81,8 +82,7 @@ def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography
 
 def _in_memory(topography: Topography) -> Topography:
     """Return a map whose heights are an array, of which `rows` are views."""
-    z = topography.heights()
-    return replace(topography, rows=lambda start, stop: z[start:stop])
+    return replace(topography, rows=StoredRows(topography.heights()))
 
 
 def complete(topography: Topography) -> Topography:

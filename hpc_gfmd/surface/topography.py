@@ -13,7 +13,7 @@ from ..scene import each
 from ..scene.height_maps import Reading
 from ..util.errors import ReadingWarning, SceneError, SurfaceWarning, each_once, one_line
 from ..util.quantities import Quantity
-from .analytic import Rows
+from .analytic import Rows, StoredRows
 from .files import open_map
 from .heights import checked
 from .map_units import MapUnits, lengths_text, units_of
@@ -66,7 +66,7 @@ class Topography:
 
     def of_heights(self, z: np.ndarray, step: str, **changes: Any) -> Self:
         """Return a copy with other heights after a step of preparation, see `after`."""
-        return self.after(step, n=z.shape, rows=lambda start, stop: z[start:stop], **changes)
+        return self.after(step, n=z.shape, rows=StoredRows(z), **changes)
 
     def after(self, step: str, **changes: Any) -> Self:
         """Return a copy with changes by a step of preparation, a line for `prepared`."""
