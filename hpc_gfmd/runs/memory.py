@@ -38,6 +38,7 @@ BY_ROWS = (".npy", ".h5", ".hdf5", ".nc")  # names of files of which every rank 
 # Of a map on the process that reads or prepares it, however many points are missing; of two scans
 # one is kept while the other one is read or filled.
 COPIES = {"read": 2.1, "changed": 3.2, "filled": 3.0, "added": 4.0, "built": 2.1}
+TEXTS = 2.0  # times the bytes of a file that is no array: while its header is taken off
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
 RANKED = 72  # bytes per point on rank 0 for heights with a given distribution
 PROCESS_GIB = 0.217  # interpreter, libraries, compiled kernels, buffers of MPI
@@ -46,12 +47,17 @@ THREAD_GIB = 0.0035  # scratch of a thread
 
 def _is_read_whole(surface: File) -> bool:
     """Whether one process reads a whole map, as far as its name and the scene tell."""
-    is_array = all(Path(str(path)).suffix in BY_ROWS for path in each(surface.path))
-    return asks_for_preparation(surface) or not is_array
+    return asks_for_preparation(surface) or not _is_array(surface)
+
+
+def _is_array(surface: File) -> bool:
+    """Whether all maps lie in files as arrays, by their names; others are read as a whole."""
+    paths = [body.path for body in surface.bodies or ()] or each(surface.path)
+    return all(Path(str(path)).suffix in BY_ROWS for path in paths)
 
 
 def _preparing(surface: File, size: Size) -> float:
-    """Return how many numbers in double precision the preparation of a map holds at once."""
+    """Return how many numbers in double precision reading and preparing a map hold at once."""
     after = prod(size.n)
     step = surface.downsample / surface.refine
     mirrored = step**2 * after  # points before they are resampled; likewise the next
@@ -63,8 +69,10 @@ def _preparing(surface: File, size: Size) -> float:
     copies = COPIES["added"] if surface.bodies else copies
     resampling = mirrored + (step + 1) * after if step != 1 else 0.0
     mirroring = kept if any(surface.mirrored) else 0.0
+    of_text = 0.0 if _is_array(surface) else TEXTS * size.file_bytes / 8
     return max(
         COPIES["read"] * size.read,
+        size.read + of_text,
         size.read + (copies - 1) * kept,  # a part that is cropped keeps the whole map
         resampling + mirroring,
         COPIES["built"] * after,

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import prod
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,6 +40,7 @@ class Size(NamedTuple):
     n: tuple[int, int]  # points along x and y
     lengths: tuple[float, ...]  # (L_x, L_y)
     read: int = 0  # points of the maps that are read for it
+    file_bytes: int = 0  # of the largest file that is read
 
 
 def open_surface(spec: Any) -> tuple[Topography | None, Size]:
@@ -46,9 +48,10 @@ def open_surface(spec: Any) -> tuple[Topography | None, Size]:
     if spec.n is not None:
         return None, Size(tuple(spec.n), spec.physical_sizes)
     topography = open_topography(spec)
-    maps = topography.bodies or (topography,) * len(each(spec.path))
-    read = sum(prod(one_map.n) for one_map in maps)
-    return topography, Size(*prepared_size(topography, spec), read)
+    paths = [body.path for body in spec.bodies or ()] or each(spec.path)
+    read = sum(prod(scan.n) for scan in topography.bodies or (topography,) * len(paths))
+    file_bytes = max(Path(path).stat().st_size for path in paths)
+    return topography, Size(*prepared_size(topography, spec), read, file_bytes)
 
 
 def surface_size(spec: Any) -> Size:
