@@ -20,7 +20,9 @@ from ..surface.number_range import single_solves
 from ..theory.persson import g_rms_lam_s_over_h_rms
 
 if TYPE_CHECKING:
-    from ..scene import Scene, SolverTable
+    from collections.abc import Sequence
+
+    from ..scene import LoadTable, Scene, SolverTable
 
 COARSE = 512  # points along an axis of the coarse surface that `known_heights` makes, at most
 # Limits of single precision, measured on the true errors of the campaign. They cost or save time
@@ -85,7 +87,7 @@ def precisions(
     hardness = np.inf
     if g_rms and scene.material.hardness:
         hardness = scene.material.hardness / (scene.material.E_star * g_rms)
-    for p_star in known_p_stars(scene, g_rms):
+    for p_star in _p_stars_of(scene, g_rms):
         unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
         if settings.precision == "auto" and precision == np.float32 and not unloaded:
             if too_coarse(settings, math.prod(n), p_star, h_rms or 0.0, hardness):
@@ -103,7 +105,7 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
     """Return the lowest precision in which loads of a scene may run, by its keys alone."""
     settings = scene.solver
     if settings.precision == "auto":
-        for p_star in known_p_stars(scene, getattr(scene.surface, "g_rms", None)):
+        for p_star in _p_stars_of(scene, getattr(scene.surface, "g_rms", None)):
             unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
             if p_star is None or unloaded:
                 continue
@@ -112,20 +114,26 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
     return first_precision(settings)
 
 
-def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
-    """Return p* of each load of a scene, half of a prescribed area; None for gaps, approaches, and
-    pressures without `g_rms`.
+def _p_stars_of(scene: Scene, g_rms: float | None) -> list[float | None]:
+    sizes = scene.surface.physical_sizes or ()
+    return known_p_stars(scene.load, scene.material.E_star, g_rms, sizes)
+
+
+def known_p_stars(
+    load: LoadTable, E_star: float, g_rms: float | None, sizes: Sequence[float]
+) -> list[float | None]:
+    """Return p* of each load, half of a prescribed area; None for gaps, approaches, and pressures
+    without `g_rms`.
     """
-    name, values = scene.load.prescribed
+    name, values = load.prescribed
     if name == "p_star":
         return list(values)
     if name == "a_r":
         return [value / 2 for value in values]
-    if scene.load.is_searched or not g_rms:
+    if load.is_searched or not g_rms:
         return [None] * len(values)
-    unit = scene.material.E_star * g_rms
-    area = math.prod(scene.surface.physical_sizes or ())
-    return [p / unit for p in scene.load.p0(unit, 1.0, area)]
+    unit = E_star * g_rms
+    return [p / unit for p in load.p0(unit, 1.0, math.prod(sizes))]
 
 
 def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:

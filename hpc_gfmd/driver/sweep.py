@@ -11,12 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..certificate.criterion import StoppingCriterion
 from ..parallel import interrupt
+from ..surface import ByHeights
 from ..util.errors import SceneError
 from .branches import CYCLE, SaddleGuard, compared
 from .contact_model import ContactModel
@@ -26,7 +28,7 @@ from .grid_errors import grid_errors
 from .held import Held
 from .load import Load, Unfinished
 from .low_memory import LowMemorySurface
-from .precision import first_precision
+from .precision import first_precision, known_p_stars, too_coarse
 from .quantities import NEARLY_CLOSED, ROOTS, Opening, opening_load
 from .scene_loads import loads_of
 from .starter import Starter
@@ -37,7 +39,7 @@ from .working_surface import DOUBLE, WorkingSurface
 if TYPE_CHECKING:
     from ..contact.contact import Contact, GridErrors
     from ..scene import LoadTable, SolverTable
-    from ..surface import Surface
+    from ..surface import Precision, Surface
     from .drive import Outcome, Watch
     from .grid_errors import CoarseContact
     from .working_surface import MakeSurface
@@ -46,11 +48,11 @@ if TYPE_CHECKING:
 class Sweep:
     """Solves the loads on one surface, each from the solution before if that is close.
 
-    make_surface(dtype): makes the surface in a precision, collectively; called again if a load
-    needs double. settings: the table [solver] of a scene. duality, of_result: as in
-    StoppingCriterion. `working`, `starter`: the surface and the starts in the present precision.
-    `coarser`: the contacts on coarser grids that the last load started from, finest first; empty
-    if it started otherwise.
+    make_surface(precision): makes the surface, collectively; called again if a load needs double.
+    settings: the table [solver] of a scene. duality, of_result: as in StoppingCriterion. table: the
+    table [load], whose first load may need double from the beginning. `working`, `starter`: the
+    surface and the starts in the present precision. `coarser`: the contacts on coarser grids that
+    the last load started from, finest first; empty if it started otherwise.
     """
 
     def __init__(
@@ -60,6 +62,7 @@ class Sweep:
         model: ContactModel,
         duality: bool = False,
         of_result: float | None = None,
+        table: LoadTable | None = None,
     ):
         if settings.low_memory and settings.name not in ("auto", "bpx"):
             raise SceneError('solver.low_memory: found true, allowed: with solver.name = "bpx"')
@@ -79,14 +82,37 @@ class Sweep:
         self._punch: np.ndarray | None = None  # see _flat_solution
         self.coarser: Sequence[CoarseContact] = ()
         self._of_grid: GridErrors | None = None  # of the last load with a nested start
-        self._work_in(first_precision(settings))
+        self._work_in(self._first_precision(table))
 
-    def _work_in(self, dtype: np.dtype, gap: np.ndarray | None = None) -> None:
+    def _first_precision(self, table: LoadTable | None) -> Precision:
+        """Return the precision to begin with; that of a light load depends on the slope of the
+        surface, which is then not made twice.
+        """
+        dtype = first_precision(self.settings)
+        stays = self.settings.precision != "auto" or self.settings.low_memory
+        if table is None or stays or dtype == DOUBLE:
+            return dtype
+        model = self.model
+        loads = table
+
+        def by_heights(surface: Surface) -> np.dtype:
+            p_star, *_ = known_p_stars(loads, model.E_star, surface.g_rms, surface.sizes)
+            is_unloaded = p_star == 0 and model.attraction is None
+            if is_unloaded or surface.g_rms == 0:
+                return dtype
+            N = surface.grid.N
+            h_rms = surface.h_rms / surface.height_unit
+            hardness = (model.hardness or inf) / (model.E_star * surface.slope)
+            return DOUBLE if too_coarse(self.settings, N, p_star, h_rms, hardness) else dtype
+
+        return ByHeights(by_heights)
+
+    def _work_in(self, precision: Precision, gap: np.ndarray | None = None) -> None:
         """Make the surface and the starter in a precision; gap: where the next load starts.
         Collective.
         """
         kind = LowMemorySurface if self.settings.low_memory else WorkingSurface
-        self.working = kind(self.make_surface, self.model, self.settings, dtype)
+        self.working = kind(self.make_surface, self.model, self.settings, precision)
         self.starter = Starter(self.working, self.criterion, gap)
 
     @property

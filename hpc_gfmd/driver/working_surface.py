@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,31 +24,35 @@ if TYPE_CHECKING:
     from ..laws.base import Law
     from ..scene import SolverTable
     from ..solvers.base import Solver
-    from ..surface import Surface
+    from ..surface import Precision, Surface
     from .contact_model import ContactModel
     from .target import Target
 
-    MakeSurface = Callable[[np.dtype], Surface]
+    MakeSurface = Callable[[Any], Surface]  # of a Precision
 
 DOUBLE = np.dtype(np.float64)
 
 
 class WorkingSurface:
-    """A surface made by make_surface(dtype), its heights in that precision. Collective. settings:
-    the table [solver]; `saves_memory`: whether the solver is dropped before a load starts, and
+    """A surface made by make_surface(precision), its heights in `dtype`. Collective. settings: the
+    table [solver]; `saves_memory`: whether the solver is dropped before a load starts, and
     frees its transforms during a certificate in double (low_memory.py).
     """
 
     saves_memory = False
 
     def __init__(
-        self, make_surface: MakeSurface, model: ContactModel, settings: SolverTable, dtype: np.dtype
+        self,
+        make_surface: MakeSurface,
+        model: ContactModel,
+        settings: SolverTable,
+        precision: Precision,
     ):
         self.make_surface = make_surface
         self.model = model
         self.settings = settings
-        self.dtype = dtype
-        self.surface: Surface = make_surface(dtype)
+        self.surface: Surface = make_surface(precision)
+        self.dtype = self.surface.gap.dtype
         self._nested: Nested | None = None
         self._plan()
 

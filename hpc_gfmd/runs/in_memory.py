@@ -26,7 +26,7 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.thread_count import threads_of
 from ..scene import Scene, load_scene
-from ..surface import Size, Surface, build_surface, open_surface
+from ..surface import Precision, Size, Surface, build_surface, open_surface, precision_of
 from ..surface.analytic import StoredRows
 from ..surface.build import surface_of
 from ..surface.heights import complete_array
@@ -120,7 +120,7 @@ class Surfaces:
     comm: Comm
     threads: int  # of each rank
     size: Size
-    make: Callable[[np.dtype], Surface]  # make(dtype) makes it
+    make: Callable[[Precision], Surface]  # make(precision) makes it
     # Surfaces that can be used again, to which new ones are added; None if they cannot.
     kept: Kept | None = None
     rounds: bool = False  # whether a kept surface in single precision is one in double, rounded
@@ -129,24 +129,26 @@ class Surfaces:
     # of heights that are in memory or in a file; None before the first surface
     checksum: str | None = None
 
-    def __call__(self, dtype: np.dtype) -> Surface:
+    def __call__(self, precision: Precision) -> Surface:
         """Return the surface in a precision, a kept one if there is one. Collective."""
-        surface = self._of(dtype)
+        surface = self.make(precision) if self.kept is None else self._of(self.kept, precision)
         self.checksum = surface.checksum
         return surface if self.is_measured else replace(surface, checksum=None)
 
-    def _of(self, dtype: np.dtype) -> Surface:
-        if self.kept is None:
-            return self.make(dtype)
-        if dtype in self.kept:
-            return self._with_grid_of_this_thread(self.kept[dtype])
-        if self.rounds and dtype != DOUBLE:
-            double = self._of(DOUBLE)
-            surface = replace(double, h=double.gap.astype(dtype))
+    def _of(self, kept: Kept, precision: Precision) -> Surface:
+        if kept:
+            made = self._with_grid_of_this_thread(next(iter(list(kept.values()))))
         else:
-            surface = self.make(dtype)
-        self.kept[dtype] = surface
-        return surface
+            made = self.make(DOUBLE if self.rounds else precision)
+            kept[made.gap.dtype] = made
+        dtype = precision_of(precision, made)
+        if dtype == made.gap.dtype:
+            return made
+        if dtype in kept:
+            return self._with_grid_of_this_thread(kept[dtype])
+        rounded = self.rounds and replace(made, h=made.gap.astype(dtype))
+        kept[dtype] = rounded or self.make(dtype)
+        return kept[dtype]
 
     def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
         """Return a kept surface on a grid whose scratch memory belongs to this thread."""
@@ -180,9 +182,9 @@ def surfaces_of_scene(
     threads = threads_of(comm, scene.machine.threads, prod(size.n))
     low_memory = scene.solver.low_memory
 
-    def make(dtype: np.dtype) -> Surface:
+    def make(precision: Precision) -> Surface:
         whole = scene.may_break_symmetry
-        return build_surface(scene.surface, comm, dtype, threads, low_memory, whole, opened)
+        return build_surface(scene.surface, comm, precision, threads, low_memory, whole, opened)
 
     return Surfaces(comm, threads, size, make, {} if keep and not low_memory else None)
 
@@ -211,8 +213,8 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
         topography = mirrored(topography, scene.surface.mirrored).on_form(scene.surface.radii)
     threads = threads_of(comm, scene.machine.threads, array.size)
 
-    def make(dtype: np.dtype) -> Surface:
-        return surface_of(topography, comm, dtype, threads, scene.surface.free, True, whole)
+    def make(precision: Precision) -> Surface:
+        return surface_of(topography, comm, precision, threads, scene.surface.free, True, whole)
 
     is_described = isinstance(wall, PreparedSurface) and wall.table is not None
     is_measured = hasattr(scene.surface, "path")

@@ -34,7 +34,7 @@ from ..scene import File, LoadTable, Scene, each, has_unit
 from ..scene.explain import require_known
 from ..solvers import solver_names
 from ..solvers.base import Progress
-from ..surface import Surface
+from ..surface import Precision, Surface
 from ..surface.doubtful_numbers import modulus_notes
 from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
@@ -87,8 +87,8 @@ def check(scene: Scene) -> None:
         )
 
 
-def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
-    """Return the sweep of a scene, whose surface make_surface(dtype) makes. Collective."""
+def sweep_of(scene: Scene, make_surface: Callable[[Precision], Surface]) -> Sweep:
+    """Return the sweep of a scene, whose surface make_surface(precision) makes. Collective."""
     model = ContactModel(
         float(scene.material.E_star),
         body_of(scene.material, scene.surface.free),
@@ -99,7 +99,7 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         getattr(scene.surface, "lam_s", None),
     )
     duality = not {"error_bounds", *DUALITY}.isdisjoint(scene.output.observables or ())
-    sweep = Sweep(make_surface, scene.solver, model, duality)
+    sweep = Sweep(make_surface, scene.solver, model, duality, table=scene.load)
     _require_consistent_units(scene, sweep.surface)
     return sweep
 
@@ -183,14 +183,14 @@ UnfinishedOf = Callable[[int], tuple[Unfinished, float] | None]  # state of a lo
 
 
 class Run:
-    """The loads of a scene on its surface, which make_surface(dtype) makes. Collective.
+    """The loads of a scene on its surface, which make_surface(precision) makes. Collective.
 
     `sweep` solves them: a Sweep, or a History if loads leave a memory, which is then also
     `history`, else None. `attributes`: of the surface, by their names in the file.
     """
 
     def __init__(
-        self, scene: Scene, make_surface: Callable[[np.dtype], Surface], reporter: Reporter
+        self, scene: Scene, make_surface: Callable[[Precision], Surface], reporter: Reporter
     ) -> None:
         self.scene = scene
         self.reporter = reporter

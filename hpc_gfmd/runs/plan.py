@@ -27,12 +27,7 @@ START = "        and start-up: some seconds; up to half a minute of compiling at
 
 
 def plan_of(
-    scene: Scene,
-    size: Size,
-    ranks: int,
-    per_node: int,
-    threads: int,
-    cores: int,
+    scene: Scene, size: Size, ranks: int, per_node: int, threads: int, cores: int
 ) -> dict[str, Any]:
     """Return the forecast that `hpc-gfmd plan --json` prints: GiB, and seconds on this machine."""
     n = size.n

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from ..parallel.comm import SerialComm
 from ..parallel.grid import Grid
@@ -26,8 +25,8 @@ from .modes import gap_of_modes
 from .prepare import asks_for_preparation, complete, notes_on, on_radius, prepare, prepared_size
 from .selfaffine import self_affine_modes
 from .spectrum import spectrum_modes
-from .statistics import rms, rms_between_neighbours
-from .surface import Surface
+from .statistics import Roughness, rms, rms_between_neighbours
+from .surface import ByHeights, Precision, Surface, precision_of
 from .topography import Topography, open_topography
 
 ROWS = 64  # of a map that are read at a time
@@ -63,7 +62,7 @@ def surface_size(spec: Any) -> Size:
 def build_surface(
     spec: Any,
     comm: Any,
-    dtype: DTypeLike,
+    dtype: Precision,
     threads: int = 1,
     low_memory: bool = False,
     whole: bool = False,
@@ -73,7 +72,6 @@ def build_surface(
     transforms of self-affine surfaces in the precision of the gap; whole: keep both axes; opened():
     the map, if it is open on this rank.
     """
-    dtype = np.dtype(dtype)
     if spec.kind == "file":
         shared = partial(_shared, spec, comm, opened)
         return surface_of(shared(), comm, dtype, threads, spec.free, True, whole)
@@ -96,40 +94,48 @@ def _on_form(spec: Any, rows: Rows) -> Topography:
 
 
 def _made_of_modes(
-    spec: Any, comm: Any, dtype: np.dtype, threads: int, low_memory: bool
+    spec: Any, comm: Any, dtype: Precision, threads: int, low_memory: bool
 ) -> Surface:
-    """Return the surface of a kind in MODES, without its form, see `build_surface`. Collective."""
-    kept = np.dtype(np.float64) if spec.radius else dtype
-    made_in = kept if low_memory else np.dtype(np.float64)
+    """Return the surface of a kind in MODES, without its form, see `build_surface`. Collective.
+    low_memory: a precision that does not depend on the heights.
+    """
+    kept: Precision = np.float64 if spec.radius else dtype
+    made_in = np.float64 if isinstance(kept, ByHeights) or not low_memory else kept
     modes = MODES[spec.kind](spec, comm)
     grid = grid_of(spec.n, spec.physical_sizes, comm, spec.free, threads)
     nominal = nominal_part(grid)
-    h, roughness, add_spectrum = gap_of_modes(modes, nominal, kept, made_in)
+
+    def without_gap(roughness: Roughness) -> Surface:
+        if roughness.g_rms == 0:
+            raise SceneError(
+                "surface: found no wave of the cell in the spectrum, allowed: at least one"
+            )
+        if spec.g_rms is not None:
+            unit = spec.g_rms * grid.a / roughness.g_rms
+        elif spec.h_rms is not None:
+            unit = spec.h_rms / roughness.h_rms
+        else:
+            assert modes.unit is not None
+            unit = modes.unit
+        in_lengths = roughness.in_units(unit, grid.a)
+        return Surface(
+            grid,
+            None,
+            spec.n,
+            h_rms=in_lengths.h_rms,
+            g_rms=in_lengths.g_rms if spec.g_rms is None else spec.g_rms,
+            rows=grid.nominal_rows,
+            checksum=modes.checksum,
+            prepared=modes.prepared(in_lengths) if modes.prepared else (),
+        )
+
+    h, roughness, add_spectrum = gap_of_modes(
+        modes, nominal, lambda roughness: precision_of(kept, without_gap(roughness)), made_in
+    )
     if grid.padded:  # what is solved on has transforms of its own
         nominal.forget_fft(made_in)
-    if roughness.g_rms == 0:
-        raise SceneError(
-            "surface: found no wave of the cell in the spectrum, allowed: at least one"
-        )
-    if spec.g_rms is not None:
-        unit = spec.g_rms * grid.a / roughness.g_rms
-    elif spec.h_rms is not None:
-        unit = spec.h_rms / roughness.h_rms
-    else:
-        assert modes.unit is not None
-        unit = modes.unit
-    in_lengths = roughness.in_units(unit, grid.a)
-    return Surface(
-        grid,
-        h,
-        spec.n,
-        h_rms=in_lengths.h_rms,
-        g_rms=in_lengths.g_rms if spec.g_rms is None else spec.g_rms,
-        rows=grid.nominal_rows,
-        add_spectrum=None if grid.padded else add_spectrum,
-        checksum=modes.checksum,
-        prepared=modes.prepared(in_lengths) if modes.prepared else (),
-    )
+    known = None if grid.padded else add_spectrum
+    return replace(without_gap(roughness), h=h, add_spectrum=known)
 
 
 def _with_distribution(spec: Any) -> Topography:
@@ -203,7 +209,7 @@ def _read_by_rows(topography: Topography | None, spec: Any, comm: Any) -> Topogr
 def surface_of(
     topography: Topography,
     comm: Any,
-    dtype: DTypeLike,
+    dtype: Precision,
     threads: int,
     free: tuple[bool, bool],
     with_checksum: bool = False,
@@ -237,7 +243,8 @@ def surface_of(
         grid, z = _leave_out_constant_axis(grid, z, top)
         cell = grid
     if span == 0.0:
-        return made(cell, np.zeros(z.shape, dtype), h_rms=0.0, g_rms=0.0)
+        flat = made(cell, None, h_rms=0.0, g_rms=0.0)
+        return replace(flat, h=np.zeros(z.shape, precision_of(dtype, flat)))
     if span < 1 / LARGEST:
         raise SceneError(
             f"surface: found heights that differ by {span:g} at most, allowed: 0 or at least"
@@ -261,15 +268,16 @@ def surface_of(
         scale * r
         for r in (rms_between_neighbours(grid, fill, free) if cell.padded else rms(grid, fill))
     )
-    if dtype != np.float64:
+    surface = made(cell, None, h_rms=h_rms, g_rms=g_rms / grid.a)
+    h = grid.empty(precision_of(dtype, surface))
+    if h.dtype != np.float64:
         grid.forget_fft(np.float64)
-    h = grid.empty(dtype)
 
     def divide(i0: int, i1: int) -> None:
         np.divide(gap(i0, i1), g_rms, out=h[i0:i1], casting="same_kind")
 
     grid.by_rows(divide)
-    return made(cell, h, h_rms=h_rms, g_rms=g_rms / grid.a)
+    return replace(surface, h=h)
 
 
 def _local_rows(rows: Rows, grid: Grid) -> np.ndarray:

@@ -29,9 +29,9 @@ class Modes:
 
 
 def gap_of_modes(
-    modes: Modes, grid: Grid, dtype: DTypeLike, made_in: DTypeLike
+    modes: Modes, grid: Grid, precision: Callable[[Roughness], np.dtype], made_in: DTypeLike
 ) -> tuple[np.ndarray, Roughness, Callable]:
-    """Make z_max - z (slab) of modes scaled to g_rms = 1. Collective.
+    """Make z_max - z (slab) of modes scaled to g_rms = 1, in the precision(roughness). Collective.
 
     Also returns the Roughness in units of the modes and of the grid spacing, and add_spectrum(fft)
     -> add(block, m), which adds the transform of minus the gap (without 1/N), computed again so
@@ -51,7 +51,8 @@ def gap_of_modes(
 
     check(grid.comm)
     roughness = roughness_of_columns(grid, fft, adder(fft, 0.0, 1.0))
-    g_rms = roughness.g_rms or 1.0
+    dtype = precision(roughness)
+    g_rms = roughness.g_rms
     check(grid.comm)
     tops = fft.backward_rows(lambda i0, i1, x: x[: i1 - i0].max())
     top = fft.dtype.type(grid.comm.max([max(tops, default=-np.inf)])[0])

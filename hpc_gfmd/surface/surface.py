@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..operators.problem import Columns
 from ..parallel.fft import SlabFFT
@@ -64,3 +65,20 @@ class Surface:
     def reduced_axis(self) -> int | None:
         """Axis along which heights do not change, with one point of `grid`, or None."""
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
+
+
+@dataclass(frozen=True)
+class ByHeights:
+    """A precision that depends on a surface, whose gap is still missing; `of` returns it."""
+
+    of: Callable[[Surface], np.dtype]
+
+
+Precision = DTypeLike | ByHeights  # of the gap of a surface to make
+
+
+def precision_of(precision: Precision, surface: Surface) -> np.dtype:
+    """Return the precision of the gap of a surface."""
+    if isinstance(precision, ByHeights):
+        return precision.of(surface)
+    return np.dtype(precision)

@@ -108,5 +108,10 @@ def test_memory_of_a_part_of_a_map(tmp_path):
     path = str(tmp_path / "z.npy")
     np.save(path, np.tile(rough_wall((2, 128, 2)).heights, (8, 8)))
     table = scene(512)
-    table["surface"] = {"kind": "file", "path": path, "physical_sizes": [8, 8], "crop": [0, 0, 2, 2]}
+    table["surface"] = {
+        "kind": "file",
+        "path": path,
+        "physical_sizes": [8, 8],
+        "crop": [0, 0, 2, 2],
+    }
     check(table, 1, tmp_path, "float32")
