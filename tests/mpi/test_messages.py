@@ -8,10 +8,10 @@ from contacts import rough, sweep_of
 from mpi.nodes import CountingComm, sent_in_a_step
 
 from hpc_gfmd.operators import hierarchy
-from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.runs import capacity
 from hpc_gfmd.runs.capacity import require_memory
 from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import surface_size
 from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
@@ -53,4 +53,4 @@ def test_memory_of_a_machine(comm, monkeypatch):
         SceneError,
         match=rf"GiB on {comm.size} of {comm.size} ranks, {os.uname().nodename} has 0.10 GiB",
     ):
-        require_memory(comm, scene, Grid((32, 32), comm=comm), 1)
+        require_memory(comm, scene, surface_size(scene.surface), 1)

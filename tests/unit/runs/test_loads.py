@@ -6,10 +6,15 @@ import weakref
 
 import numpy as np
 import pytest
-from contacts import random_heights, scene_text
+from contacts import random_heights, rough, scene_text
 
 import hpc_gfmd
 from hpc_gfmd.output.read import read_result
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.runs.loads import Run
+from hpc_gfmd.runs.progress import Reporter
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import build_surface
 
 SI = {"physical_sizes": ["1 mm", "1 mm"], "h_rms": "1 um", "boundary": "free"}
 
@@ -29,6 +34,24 @@ def test_run_plan_and_show(tmp_path, cli):
     error = cli.refused("run scene.toml --set", "load={gap_over_h_rms = 30}", "-o", "never.h5")
     assert "load.gap_over_h_rms: found 30, allowed: below " in error
     assert not list(tmp_path.glob("never*"))
+
+
+@pytest.mark.parametrize("load", [{"p_star": [1e-3, 0.1]}, {"pressure": 1e-3}])
+def test_light_first_load_makes_its_surface_once(load):
+    """In double precision, which it needs, from the beginning; the solution is that of double."""
+    table = {"surface": rough(g_rms=1.0), "load": load}
+    scene = Scene.from_dict(table)
+    made = []
+
+    def make(precision):
+        made.append(build_surface(scene.surface, SerialComm(), precision))
+        return made[-1]
+
+    run = Run(scene, make, Reporter(SerialComm(), scene.solver, quiet=True))
+    solved = next(run.solve())
+    assert [surface.gap.dtype for surface in made] == [np.float64]
+    in_double = hpc_gfmd.solve(Scene.from_dict(table | {"solver": {"precision": "double"}}))
+    assert solved.numbers["gap_mean"] == in_double[0].gap_mean
 
 
 def test_solve_with_prescribed_loads():
