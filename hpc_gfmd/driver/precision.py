@@ -87,7 +87,7 @@ def precisions(
     hardness = np.inf
     if g_rms and scene.material.hardness:
         hardness = scene.material.hardness / (scene.material.E_star * g_rms)
-    for p_star in _p_stars_of(scene, g_rms):
+    for p_star in known_p_stars(scene, g_rms):
         unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
         if settings.precision == "auto" and precision == np.float32 and not unloaded:
             if too_coarse(settings, math.prod(n), p_star, h_rms or 0.0, hardness):
@@ -105,7 +105,7 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
     """Return the lowest precision in which loads of a scene may run, by its keys alone."""
     settings = scene.solver
     if settings.precision == "auto":
-        for p_star in _p_stars_of(scene, getattr(scene.surface, "g_rms", None)):
+        for p_star in known_p_stars(scene, getattr(scene.surface, "g_rms", None)):
             unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
             if p_star is None or unloaded:
                 continue
@@ -114,12 +114,13 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
     return first_precision(settings)
 
 
-def _p_stars_of(scene: Scene, g_rms: float | None) -> list[float | None]:
+def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
+    """Return p* of each load of a scene, as `p_stars_of`."""
     sizes = scene.surface.physical_sizes or ()
-    return known_p_stars(scene.load, scene.material.E_star, g_rms, sizes)
+    return p_stars_of(scene.load, scene.material.E_star, g_rms, sizes)
 
 
-def known_p_stars(
+def p_stars_of(
     load: LoadTable, E_star: float, g_rms: float | None, sizes: Sequence[float]
 ) -> list[float | None]:
     """Return p* of each load, half of a prescribed area; None for gaps, approaches, and pressures

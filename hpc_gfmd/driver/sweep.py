@@ -28,7 +28,7 @@ from .grid_errors import grid_errors
 from .held import Held
 from .load import Load, Unfinished
 from .low_memory import LowMemorySurface
-from .precision import first_precision, known_p_stars, too_coarse
+from .precision import first_precision, p_stars_of, too_coarse
 from .quantities import NEARLY_CLOSED, ROOTS, Opening, opening_load
 from .scene_loads import loads_of
 from .starter import Starter
@@ -96,7 +96,7 @@ class Sweep:
         loads = table
 
         def by_heights(surface: Surface) -> np.dtype:
-            p_star, *_ = known_p_stars(loads, model.E_star, surface.g_rms, surface.sizes)
+            p_star, *_ = p_stars_of(loads, model.E_star, surface.g_rms, surface.sizes)
             is_unloaded = p_star == 0 and model.attraction is None
             if is_unloaded or surface.g_rms == 0:
                 return dtype
