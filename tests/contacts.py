@@ -72,7 +72,8 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
     scene = Scene.from_dict(
         {
             "surface": surface,
-            "load": {"p_star": 1.0},  # not light: single precision first, where that is enough
+            # not light: single precision first, where that is enough
+            "load": {"pressure": 1e3 * E_star},
             "material": {"E_star": E_star} | (layer or {}),
             "solver": solver or EXACT,
             "output": {"observables": ["duality_gap"]} if duality else {},
