@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
 
 Element = tuple[float, float]  # share r of the modulus that relaxes, and its time tau
+# Share of the accuracy for a load that others follow, over that of their pressures. Of 722 loads of
+# small walls 37, 21 and 11 stagnate by an inherited error at 0.5, 0.2 and 0.05, with 16.2, 16.4 and
+# 16.8 pairs.
+OF_LATER = 0.05
 
 
 class Maxwell:

@@ -18,6 +18,7 @@ from ..parallel.comm import SerialComm
 from ..surface import build_surface
 from ..surface.number_range import single_solves
 from ..theory.persson import g_rms_lam_s_over_h_rms
+from .memory import OF_LATER
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,12 +35,22 @@ FEW_POINTS = 6  # number of points that single precision may put into the wrong 
 NOISE = 0.2
 
 
-def first_precision(settings: SolverTable) -> np.dtype:
-    """Return the precision of a sweep's first load; "auto": single from an accuracy of 2e-4 on."""
+def first_precision(settings: SolverTable, share: float = 1.0) -> np.dtype:
+    """Return the precision of a sweep's first load, for a share of the accuracy; "auto": single
+    from an accuracy of 2e-4 on.
+    """
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
-    loose = settings.accuracy is not None and settings.accuracy >= FINEST
+    loose = settings.accuracy is not None and share * settings.accuracy >= FINEST
     return np.dtype(np.float32 if loose else np.float64)
+
+
+def first_of_scene(scene: Scene) -> np.dtype:
+    """Return the precision of a scene's first load, which leaves its errors to later ones where
+    loads change the wall.
+    """
+    leaves_errors = scene.remembers and len(scene.load.prescribed[1]) > 1
+    return first_precision(scene.solver, OF_LATER if leaves_errors else 1.0)
 
 
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
@@ -80,7 +91,7 @@ def precisions(
     points are few or rounding large. Unpredictable ones have `unknown`; None: go on as in single.
     """
     settings = scene.solver
-    precision = first_precision(settings)
+    precision = first_of_scene(scene)
     precisions_of_loads: list[np.dtype | None] = []
     g_rms, h_rms = known_heights(scene, n)
     rounding = rounding_in_single(h_rms or np.inf)
@@ -111,7 +122,7 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
                 continue
             if few_points(N, p_star, settings.accuracy):
                 return np.dtype(np.float64)
-    return first_precision(settings)
+    return first_of_scene(scene)
 
 
 def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:

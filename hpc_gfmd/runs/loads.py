@@ -27,7 +27,9 @@ from ..driver.branches import APPROACH
 from ..driver.contact_model import ContactModel
 from ..driver.history import History
 from ..driver.load import Load, Unfinished
+from ..driver.precision import first_of_scene
 from ..driver.sweep import Sweep
+from ..driver.working_surface import DOUBLE
 from ..laws import attraction_of, law_names
 from ..parallel import interrupt
 from ..scene import File, LoadTable, Scene, each, has_unit
@@ -99,7 +101,10 @@ def sweep_of(scene: Scene, make_surface: Callable[[Precision], Surface]) -> Swee
         getattr(scene.surface, "lam_s", None),
     )
     duality = not {"error_bounds", *DUALITY}.isdisjoint(scene.output.observables or ())
-    sweep = Sweep(make_surface, scene.solver, model, duality, table=scene.load)
+    settings = scene.solver
+    if scene.remembers and settings.precision == "auto" and first_of_scene(scene) == DOUBLE:
+        settings = settings.model_copy(update={"precision": "double"})  # no surface in single
+    sweep = Sweep(make_surface, settings, model, duality, table=scene.load)
     _require_consistent_units(scene, sweep.surface)
     return sweep
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..driver.precision import first_precision, precisions
+from ..driver.precision import first_of_scene, precisions
 from ..surface import cell_of
 from ..util.machine import GIB
 from .memory import memory_of
@@ -32,7 +32,7 @@ def plan_of(
     """Return the forecast that `hpc-gfmd plan --json` prints: GiB, and seconds on this machine."""
     n = size.n
     cell = cell_of(n, scene.surface.free, size.lengths)
-    first_dtype = first_precision(scene.solver)
+    first_dtype = first_of_scene(scene)
     dtypes = precisions(scene, n)  # None: unknown before the run
     itemsize = 8 if np.float64 in dtypes else first_dtype.itemsize
     busy_cores = min(ranks * threads, cores)

@@ -22,7 +22,7 @@ from ..contact.fields import heights_of
 from ..driver.grid_errors import CoarseContact
 from ..driver.history import History
 from ..driver.load import Unfinished
-from ..driver.precision import first_precision
+from ..driver.precision import first_of_scene
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import clear, has_begun, is_held, of_earlier_version, partial_folder
@@ -325,7 +325,7 @@ class _Recorder:
         threads = self.surfaces.threads
         ranks = self.comm.size
         settings = scene.solver
-        precision = first_precision(settings).name
+        precision = first_of_scene(scene).name
         if settings.precision == "auto" and precision == "float32":
             precision += " until a load needs float64"
         return (

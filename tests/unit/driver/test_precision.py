@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from contacts import rough, sweep_of
 
+import hpc_gfmd
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.precision import first_precision, known_heights, known_p_stars, precisions
 from hpc_gfmd.scene import Scene, SolverTable
@@ -24,6 +25,19 @@ DOUBLE = np.dtype(np.float64)
 )
 def test_first_precision(settings, dtype):
     assert first_precision(SolverTable(**settings)) == dtype
+
+
+@pytest.mark.parametrize(("p_star", "dtypes"), [([0.1, 0.3, 0.2], [DOUBLE] * 3), ([0.3], [SINGLE])])
+def test_loads_that_leave_errors_to_later_ones(p_star, dtypes):
+    """Forecast and use of a higher precision where dents stay."""
+    surface = rough((2, 32, 2))
+    load = {"p_star": p_star, "history": True}
+    scene = {"surface": surface, "load": load, "material": {"hardness": 0.5}}
+    assert precisions(Scene.from_dict(scene), (128, 128)) == dtypes
+    solutions = hpc_gfmd.solve(
+        hpc_gfmd.make_surface(**surface), p_star=p_star, history=True, hardness=0.5
+    )
+    assert [solution.precision for solution in solutions] == [dtype.name for dtype in dtypes]
 
 
 @pytest.mark.parametrize("p_star", [[0.3, 0.2], [0.3, 1e-4, 0.3]])

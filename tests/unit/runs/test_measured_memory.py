@@ -82,7 +82,7 @@ CASES = {
     "dents that stay": (
         scene(2048, [0.1, 0.3])
         | {"material": {"hardness": 0.5}, "load": {"p_star": [0.1, 0.3], "history": True}},
-        "float32",
+        "float64",
     ),
     "layer": (scene(2048) | {"material": {"thickness": 0.01, "nu1": 0.3}}, "float32"),
 }
