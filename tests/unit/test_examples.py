@@ -13,7 +13,7 @@ from nbclient import NotebookClient
 from scipy import ndimage
 
 FOLDER = Path(__file__).parents[2] / "examples"
-SMALL = {"sphere": 48, "wave": 64, "measured": 64, "tfc": 64, "rough_ball": 128}
+SMALL = {"sphere": 48, "wave": 64, "measured": 64, "tfc": 64, "rough_ball": 128, "creep": 256}
 POINTS = 96  # along an axis of all other examples
 MPI = "mpi_script"  # see tests/mpi
 OPTIONAL = "leak_map"  # needs reynoldsflow
