@@ -113,5 +113,6 @@ def test_memory_of_a_part_of_a_map(tmp_path):
         "path": path,
         "physical_sizes": [8, 8],
         "crop": [0, 0, 2, 2],
+        "boundary": "periodic",
     }
     check(table, 1, tmp_path, "float32")
