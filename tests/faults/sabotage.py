@@ -57,7 +57,7 @@ def nan(count, value="nan"):
     from hpc_gfmd.solvers.bpx import Bpx
 
     def spoil(go_on, args):
-        args[0].p[0, 0] = float(value)
+        args[0].state.p[0, 0] = float(value)
         return go_on()
 
     step = Bpx.step
