@@ -287,12 +287,10 @@ class Limits:
 
     def ask_ahead(self, progress: Progress) -> bool:
         """Return whether the next step and a certificate may be made together: once until
-        `begin_again`, as the line search does not shorten this step; not with an attraction, and
-        not where a certificate in double precision costs more than the step that it saves.
+        `begin_again`, as the line search does not shorten this step; not with an attraction.
         """
         solver = self.solver
-        can = solver.goes_ahead and not self.criterion.in_turn
-        can = can and solver.problem.attraction is None and not self.went_ahead
+        can = solver.goes_ahead and solver.problem.attraction is None and not self.went_ahead
         is_near = progress.finite and self.measure < AHEAD * self.threshold
         return can and is_near and solver.iterations < self.criterion.max_iterations
 
