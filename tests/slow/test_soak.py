@@ -10,6 +10,7 @@ from contacts import scene_text
 from faults.jobs import Job, run
 
 from hpc_gfmd.output.read import read_result
+from hpc_gfmd.util.errors import GfmdError
 
 STEPS = 200
 N = 256
@@ -38,12 +39,19 @@ def watch(job, folder):
     samples = {}
     while job.process.poll() is None:
         time.sleep(0.1)
-        partial = folder / "soak.h5.partial"
-        finished = len(list(partial.glob("step-*.h5"))) if partial.is_dir() else 0
+        finished = finished_loads(folder / "soak.h5")
         for pid in job.ranks():
             if taken := sample(pid):
                 samples.setdefault(pid, []).append((*taken, finished))
     return samples
+
+
+def finished_loads(path):
+    """Return how many loads of a run, which may not have begun, can be read."""
+    try:
+        return len(read_result(path).steps)
+    except (GfmdError, OSError):
+        return 0
 
 
 @pytest.mark.slow
