@@ -22,7 +22,7 @@ from ..scene import Material, Scene
 from ..surface import build_surface
 from .contact_model import ContactModel
 from .load import Load
-from .precision import first_precision
+from .precision import first_of_scene
 from .sweep import Sweep
 
 TINY_ATTRACTION = 1e-3, 0.1  # work and range
@@ -75,7 +75,7 @@ def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: 
     sides = ["free" if ends else "periodic" for ends in scene.surface.free]
     surface = TINY | {"boundary": sides}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
-    usual = "single" if first_precision(settings) == np.float32 else "double"
+    usual = "single" if first_of_scene(scene) == np.float32 else "double"
     model = ContactModel(
         body=body_of(material, tiny.free),
         hardness=material.hardness and 1.0,

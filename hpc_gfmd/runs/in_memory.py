@@ -146,8 +146,10 @@ class Surfaces:
             return made
         if dtype in kept:
             return self._with_grid_of_this_thread(kept[dtype])
-        rounded = self.rounds and replace(made, h=made.gap.astype(dtype))
-        kept[dtype] = rounded or self.make(dtype)
+        if self.rounds:
+            kept[dtype] = replace(made, h=made.gap.astype(dtype))
+        else:
+            kept[dtype] = self.make(dtype)
         return kept[dtype]
 
     def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
