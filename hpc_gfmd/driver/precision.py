@@ -17,7 +17,6 @@ from ..operators.problem import ROUNDING
 from ..parallel.comm import SerialComm
 from ..surface import build_surface
 from ..surface.number_range import single_solves
-from ..theory.persson import g_rms_lam_s_over_h_rms
 from .memory import OF_LATER
 
 if TYPE_CHECKING:
@@ -162,6 +161,8 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
         made = build_surface(coarse, SerialComm(), np.float64)
         a = math.sqrt(math.prod(surface.physical_sizes) / math.prod(n))
         return made.g_rms, made.h_rms / (made.g_rms * a) if made.g_rms else None
+    from ..theory.persson import g_rms_lam_s_over_h_rms  # SciPy takes a third of a second
+
     slope = g_rms_lam_s_over_h_rms(surface.hurst, 1 / surface.lam_l_over_lam_s)
     return surface.g_rms, surface.lam_s_over_a / slope
 
