@@ -1,6 +1,8 @@
-"""Pictures of results and surfaces, without MPI; fields are read a few rows at a time."""
+"""Pictures of results and surfaces, without MPI; fields are read a few rows at a time.
 
-from .maps import height_map
-from .pictures import chosen_steps, figures, plot, plot_result
+The names are listed in __init__.pyi; Matplotlib is imported when one of them is first used.
+"""
 
-__all__ = ["chosen_steps", "figures", "height_map", "plot", "plot_result"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -43,7 +43,7 @@ def interface_law(
     ----------
     surfaces : array, PreparedSurface, Topography, path of a scene, Scene, or a list of them
         What `solve` takes, or scenes, whose [load] and [output] are ignored. The law of several
-        surfaces is their mean, with its scatter. Collective for scenes.
+        surfaces is their mean, with its scatter.
     start, stop : float or str
         Range of mean pressures, in the unit of E_star, or with a unit as "1 MPa".
     error : float
@@ -59,7 +59,8 @@ def interface_law(
     progress : bool
         Whether to show the progress of each load.
     comm : communicator of mpi4py, optional
-        For scenes; default: all processes that the launcher started.
+        For scripts under mpirun, as in `solve`: every rank calls this with the same surfaces.
+        Default: this process alone, even under mpirun.
     **keys
         For surfaces that are no scenes: other arguments of `solve`, such as E_star and accuracy
         (default: a tenth of `error`, unless `residual` is given). A scene has its own accuracy,

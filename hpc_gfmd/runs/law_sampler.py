@@ -1,4 +1,4 @@
-"""The loads of an interface law: of surfaces in memory, or of scenes on all ranks."""
+"""The loads of an interface law: of surfaces in memory, or of scenes."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ import numpy as np
 
 from ..contact.fields import heights_of
 from ..output.summary import surface_line
-from ..parallel.comm import SerialComm
 from ..parallel.guard import on_rank_0
-from ..parallel.world import comm_of, world
+from ..parallel.world import comm_of
 from ..scene import Scene, load_scene
 from ..util.errors import SceneError
 from .in_memory import Surfaces, kernels_ready, scene_of, surfaces_of, surfaces_of_scene
@@ -32,7 +31,7 @@ Pressures = Sequence[float | str]
 
 class Sampler:
     """Solves all surfaces of a law at given pressures; after the first loads it has `surface`
-    (attributes of the first one) and `gaps` (mean gap of each at touch). Collective for scenes.
+    (attributes of the first one) and `gaps` (mean gap of each at touch). Collective.
     """
 
     def __init__(
@@ -55,13 +54,12 @@ class Sampler:
         self.surface: dict[str, Any] = {}
         self.gaps: dict[int, float] = {}
         self.members: list[tuple[Scene, Surfaces]]
+        self.comm = comm_of(comm)
         if has_scenes:
-            self.comm = world() if comm is None else comm_of(comm)
             self.members = self._scenes(listed, realisations)
         elif realisations != 1:
             raise SceneError("realisations: found with heights, allowed: with scenes")
         else:
-            self.comm = SerialComm()
             self.members = [self._heights(heights, keys, pressure) for heights in listed]
 
     def _scenes(

@@ -12,7 +12,7 @@ PAPER = "Prodanov, Dapp, Müser, Tribol. Lett. 53 (2014) 433, doi:10.1007/s11249
 
 def references_of(result: Result) -> list[str]:
     """Return what to cite for a result: the program, papers of body, algorithm, theory."""
-    # with Matplotlib, which a solve has no need of
+    # theories, which a solve has no need of
     from ..plotting.theory import scene_of, theory_of
 
     scene = result.scene

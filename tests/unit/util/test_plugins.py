@@ -22,8 +22,8 @@ from hpc_gfmd.bodies import body_classes
 options = {"name": "calm", "observables": ["pressure_max"], "residual": 1e-6}
 wave = 0.01 * np.cos(np.arange(16) * np.pi / 8)[:, None]
 solution = hpc_gfmd.solve(wave, 0.01, boundary="periodic", **options)
-assert "matplotlib" not in sys.modules  # which takes a tenth of a second or more
 assert "doi" in str(solution.references())
+assert "matplotlib" not in sys.modules  # which takes a tenth of a second or more
 highest = [solution.observable("pressure_max"), solution.pressure.max()]
 print(json.dumps([*highest, [*body_classes()]]))
 """
