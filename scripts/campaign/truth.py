@@ -1,11 +1,12 @@
 """Exact contacts by an active-set Newton method in float64.
 
-It uses NumPy and scipy.fft only and nothing of the package's solvers.
+It uses NumPy and SciPy only and nothing of the package's solvers.
 
-From a guess of the contact C the pressure follows from a linear problem on C (if few points touch)
-or on the rest F (if most touch), solved by conjugate gradients that are preconditioned by the
-inverse operator. Points with the wrong sign change sides. If the active sets repeat, steps of
-projected conjugate gradients (Polonsky and Keer), which always converge, are taken in between.
+From a guess of the elastic points C and of those that yield, the pressure follows from a linear
+problem on C (if it is small) or on the rest F, solved by conjugate gradients that are
+preconditioned by the inverse operator. Points that violate the bounds of their set change it. If
+the sets repeat, projected gradients of the dual problem, which always converge, are taken in
+between. Without a hardness no point yields.
 
 Units are those of operators/problem.py: lengths in a = sqrt(a_x a_y), heights in g_rms a, pressures
 in E* g_rms, so that K = |q|/2 and p0 is p*.
@@ -19,7 +20,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy import fft, special
+from scipy import fft, optimize, special
 
 SIGN = 1e-13  # relative violation of a sign that counts as rounding error
 TIE = 1e-9  # relative pressure or gap below which a point could also be on the other side
@@ -32,7 +33,10 @@ ABOVE_LOADS = 1.1  # smallest hardness over the largest load
 DOUBTFUL = 1e-10  # violation of its own conditions above which a truth is rejected
 FEW = 30  # number of wrong points up to which they may change one at a time
 MURTY = 60  # rounds in which they do
-ROUNDS = 250
+ROUNDS = 250  # linear problems
+FIRST_STEPS = 30  # of projected gradients before the first linear problem
+MORE_STEPS = 20  # when active sets repeat; twice as many each time
+MOST_STEPS = 1500
 ROUNDED = 0.055  # width over which the kink of |q| is rounded along free axes, over 1/a
 
 
@@ -52,8 +56,6 @@ class Truth:
         Points of C and of F that could also be on the other side.
     kkt : float
         Largest relative violation of p = p0 + K u, g = u + h, p >= 0, g >= 0, mean p = p0.
-    rounds : int
-        Linear problems.
     gap : ndarray
         In units of g_rms a, below 0 in dents.
     """
@@ -64,7 +66,6 @@ class Truth:
     ties_in: int
     ties_out: int
     kkt: float
-    rounds: int
     gap: np.ndarray
 
     def errors(self, contact, gap_mean, pressure):
@@ -161,100 +162,25 @@ class Contact:
         p_star : float
             The load.
         start : ndarray, optional
-            Pressure of a similar load; without a hardness only.
+            Pressure of a similar load.
         hardness : float, optional
             In units of p*.
         """
-        if hardness is not None:
-            return self._yielding(p_star, hardness)
-        h = self.h
-        D = self.D
-        N = self.N
-        if start is None:
-            p = self._projected(1.0 * D, p_star, 12)
-        else:
-            p = self._projected(self.on_cell(start), p_star, 3)
-        C = p > 0
+        limit = np.inf if hardness is None else hardness
+        p = self.D * p_star if start is None else self.on_cell(start)
+        p = self._dual_gradients(p, p_star, limit, FIRST_STEPS)
+        elastic, yielded = self._sets(p, limit)
         fewest = np.inf
         waits = 0
-        patience = 4
+        steps = MORE_STEPS
         inner = ROUGH
-        for rounds in range(1, ROUNDS):  # noqa: B007
-            nearly_closed = C.sum() > 0.5 * h.size
-            p, g = (self._open if nearly_closed else self._closed)(C, p, p_star, inner)
-            p_rms = np.sqrt(np.sum(p * p) / N)
-            tiny_p = SIGN * max(p_rms, p_star)
-            tiny_g = SIGN * h.max()
-            wrong = np.where(C, p < -tiny_p, D & (g < -tiny_g))
-            count = int(wrong.sum())
-            if count == 0 and inner == INNER:
-                break
-            if count <= FEW or waits:
-                inner = INNER
-            if count < fewest:
-                fewest = count
-                waits = 0
-            else:
-                waits += 1
-            if waits >= patience and count <= FEW and waits < MURTY:
-                # Only the last point changes (Murty), so that active sets do not repeat.
-                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False
-            elif waits >= patience:
-                p = self._projected(np.where(C, np.maximum(p, 0), 0), p_star, 10 * patience)
-                C = p > 0
-                fewest = np.inf
-                waits = 0
-                patience = min(2 * patience, 64)
-                continue
-            C = C ^ wrong
-            if not C.any():
-                C = D & (g <= g[D].min())
-        p = np.where(C, np.maximum(p, 0), 0)
-        g = np.where(C, 0, np.where(D, np.maximum(g, 0), g))
-        p_rms = np.sqrt(np.sum(p * p) / N)
-        gap_mean = g[D].mean()
-        kkt = max(
-            self._violation(p, g, C, np.zeros_like(C), p_star),
-            abs(p.sum() / (N * p_star) - 1),
-            float(count > 0),
-        )
-        ties_in = int(np.sum(C & (p < TIE * p_rms)))
-        ties_out = int(np.sum(D & ~C & (g < TIE * max(gap_mean, 1e-6 * h.max()))))
-        return Truth(
-            p[D].reshape(self.shape),
-            int(C.sum()),
-            float(gap_mean),
-            ties_in,
-            ties_out,
-            float(kkt),
-            rounds,
-            g[D].reshape(self.shape),
-        )
-
-    def _yielding(self, p_star, hardness):
-        """Return the exact solution with a hardness, by an active set of three states.
-
-        A guess of the elastic and the yielding points gives a linear problem; points that violate
-        the bounds of their state change it. If the sets repeat, projected gradients of the dual
-        problem, which always converge, are taken in between.
-        """
-        h = self.h
-        D = self.D
-        N = self.N
-        p = self._dual_gradients(D * p_star, p_star, hardness, 30)
-        yielded = D & (p >= hardness * (1 - BOUND))
-        elastic = (p > 0) & ~yielded
-        fewest = np.inf
-        waits = 0
-        steps = 20
-        inner = ROUGH
-        for rounds in range(1, ROUNDS):  # noqa: B007
-            p, g = self._with_yielded(elastic, yielded, p, p_star, hardness, inner)
-            tiny_p = SIGN * hardness
-            tiny_g = SIGN * h.max()
+        for _ in range(ROUNDS):
+            p, g = self._linear(elastic, yielded, p, p_star, limit, inner)
+            tiny_p = SIGN * p.max()
+            tiny_g = SIGN * self.h.max()
             to_open = elastic & (p < -tiny_p)
-            to_yielded = elastic & (p > hardness + tiny_p)
-            to_elastic = D & ~elastic & np.where(yielded, g > tiny_g, g < -tiny_g)
+            to_yielded = elastic & (p > limit + tiny_p)
+            to_elastic = self.D & ~elastic & np.where(yielded, g > tiny_g, g < -tiny_g)
             wrong = to_open | to_yielded | to_elastic
             count = int(wrong.sum())
             if count == 0 and inner == INNER:
@@ -267,35 +193,57 @@ class Contact:
             else:
                 waits += 1
             if waits >= PATIENCE and count <= FEW and waits < MURTY:
-                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False  # only the last point changes
+                # Only the last point changes (Murty), so that active sets do not repeat.
+                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False
             elif waits >= PATIENCE:
-                p = np.where(yielded, hardness, np.where(elastic, np.clip(p, 0, hardness), 0))
-                p = self._dual_gradients(p, p_star, hardness, steps)
-                yielded = D & (p >= hardness * (1 - BOUND))
-                elastic = (p > 0) & ~yielded
+                p = self._within_bounds(p, elastic, yielded, limit)
+                p = self._dual_gradients(p, p_star, limit, steps)
+                elastic, yielded = self._sets(p, limit)
                 fewest = np.inf
                 waits = 0
-                steps = min(2 * steps, 1500)
+                steps = min(2 * steps, MOST_STEPS)
                 continue
             yielded = (yielded & ~wrong) | (to_yielded & wrong)
             elastic = (elastic & ~wrong) | (to_elastic & wrong)
-        p = np.where(yielded, hardness, np.where(elastic, np.clip(p, 0, hardness), 0))
+            if not (elastic.any() or yielded.any()):
+                elastic = self.D & (g <= g[self.D].min())
+        p = self._within_bounds(p, elastic, yielded, limit)
+        return self._truth(p, g, elastic, yielded, p_star, count == 0)
+
+    def _sets(self, p, limit):
+        """Return the elastic and the yielding points of a pressure between its bounds."""
+        yielded = self.D & (p >= limit * (1 - BOUND))
+        return (p > 0) & ~yielded, yielded
+
+    @staticmethod
+    def _within_bounds(p, elastic, yielded, limit):
+        """Return p, clipped on elastic points, the limit on yielding ones and 0 on others."""
+        return np.where(yielded, limit, np.where(elastic, np.clip(p, 0, limit), 0))
+
+    def _truth(self, p, g, elastic, yielded, p_star, is_settled):
+        """Return the Truth of a pressure, a gap and the sets of points to which they belong.
+
+        is_settled: whether no point has the wrong sign.
+        """
+        D = self.D
         exact = np.where(elastic, 0, np.where(yielded, np.minimum(g, 0), np.maximum(g, 0)))
         exact = np.where(D, exact, g)
-        p_rms = np.sqrt(np.sum(p * p) / N)
+        p_rms = np.sqrt(np.sum(p * p) / self.N)
         gap_mean = np.maximum(exact[D], 0).mean()
         kkt = max(
             self._violation(p, exact, elastic, yielded, p_star),
-            abs(p.sum() / (N * p_star) - 1),
-            float(count > 0),
+            abs(p.sum() / (self.N * p_star) - 1),
+            float(not is_settled),
         )
-        ties_in = int(np.sum(elastic & (p < TIE * p_rms)))
         is_open = D & ~elastic & ~yielded
-        ties_out = int(np.sum(is_open & (exact < TIE * max(gap_mean, 1e-6 * h.max()))))
-        touching = int(elastic.sum() + yielded.sum())
-        pressure, gap = (field[D].reshape(self.shape) for field in (p, exact))
         return Truth(
-            pressure, touching, float(gap_mean), ties_in, ties_out, float(kkt), rounds, gap
+            pressure=p[D].reshape(self.shape),
+            contact=int(elastic.sum() + yielded.sum()),
+            gap_mean=float(gap_mean),
+            ties_in=int(np.sum(elastic & (p < TIE * p_rms))),
+            ties_out=int(np.sum(is_open & (exact < TIE * max(gap_mean, 1e-6 * self.h.max())))),
+            kkt=float(kkt),
+            gap=exact[D].reshape(self.shape),
         )
 
     def _violation(self, p, g, elastic, yielded, p_star):
@@ -316,28 +264,28 @@ class Contact:
         wrong_gap = np.linalg.norm((gap - allowed)[self.D])
         return min(in_pressure, wrong_gap * self.K.max() / size)
 
-    def _with_yielded(self, elastic, yielded, p, p_star, hardness, inner):
+    def _linear(self, elastic, yielded, p, p_star, limit, inner):
         """Return pressure and gap for given elastic and yielding points; the others are open.
 
         The linear problem on the smaller set is solved.
         """
-        carried = yielded * hardness
+        carried = np.where(yielded, limit, 0.0)
         if elastic.any() and elastic.sum() <= 0.5 * self.h.size:
             return self._closed(elastic, p, p_star, inner, carried)
-        return self._open(elastic, p, p_star, inner, carried)
+        return self._open(elastic, p_star, inner, carried)
 
-    def _dual_gradients(self, p, p_star, hardness, steps):
+    def _dual_gradients(self, p, p_star, limit, steps):
         """Take accelerated projected gradient steps (FISTA with restarts) for the pressure.
 
-        It is between 0 and the hardness and has the mean p*.
+        It is between 0 and the limit and has the mean p*.
         """
         step = 1 / self.S.max()
         inertia = 1.0
-        p = self._projected_on_bounds(p, p_star, hardness)
+        p = self._projected_on_bounds(p, p_star, limit)
         y = p
         for _ in range(steps):
             new = self._projected_on_bounds(
-                y - step * (self.times(self.S, y) + self.h), p_star, hardness
+                y - step * (self.times(self.S, y) + self.h), p_star, limit
             )
             following = (1 + np.sqrt(1 + 4 * inertia**2)) / 2
             if np.sum((y - new) * (new - p)) > 0:
@@ -349,17 +297,18 @@ class Contact:
             inertia = following
         return p
 
-    def _projected_on_bounds(self, p, p_star, hardness):
-        """Shift p and clip it to 0 and the hardness so that its mean is p*."""
-        low = -p.max()
-        high = hardness - p[self.D].min()
-        for _ in range(80):
-            middle = 0.5 * (low + high)
-            if np.clip(p[self.D] + middle, 0, hardness).mean() < p_star:
-                low = middle
-            else:
-                high = middle
-        return np.where(self.D, np.clip(p + 0.5 * (low + high), 0, hardness), 0)
+    def _projected_on_bounds(self, p, p_star, limit):
+        """Shift p and clip it to 0 and the limit so that its mean is p*."""
+        inside = p[self.D]
+        low = -inside.max()
+        high = 2 * p_star - inside.min()
+        shift = optimize.brentq(
+            lambda shift: np.clip(inside + shift, 0, limit).mean() - p_star,
+            low,
+            high,
+            xtol=EPS * (high - low),
+        )
+        return np.where(self.D, np.clip(p + shift, 0, limit), 0)
 
     def on_cell(self, field):
         """Return a field of the wall, surrounded by zeros."""
@@ -367,7 +316,7 @@ class Contact:
         out[self.D] = field.ravel()
         return out
 
-    def _closed(self, C, p, p_star, inner, carried=0.0):
+    def _closed(self, C, p, p_star, inner, carried):
         """Return pressure and gap from the linear problem on C: S p + u0 + h = 0, mean p = p_star.
 
         carried: pressure of points that are not in C.
@@ -404,7 +353,7 @@ class Contact:
         """Multiple of the identity in the preconditioner, because K loses the mean."""
         return 0.5 * self.K[self.K > 0].min()
 
-    def _open(self, C, p, p_star, inner, carried=0.0):
+    def _open(self, C, p_star, inner, carried):
         """Return pressure and gap from the linear problem on F: K g + p_star - K h = carried."""
         F = ~C
         b = p_star * (self.N / self.h.size) - self.times(self.K, self.h)
@@ -424,43 +373,6 @@ class Contact:
             )
         p = b + carried + self.times(self.K, g)
         return p, g
-
-    def _projected(self, p, p_star, steps):
-        """Take steps of Polonsky and Keer's conjugate gradients without a preconditioner.
-
-        They are robust but converge slowly.
-        """
-        S = self.S
-        h = self.h
-        N = self.N
-        p = p * (N * p_star / p.sum())
-        t = np.zeros_like(p)
-        old = 1.0
-        fresh = True
-        for _ in range(steps):
-            g = self.times(S, p) + h
-            C = p > 0
-            g -= g[C].mean()
-            new = float(np.sum(g[C] ** 2))
-            if new == 0:
-                break
-            t = np.where(C, g + (0 if fresh else new / old) * t, 0)
-            r = self.times(S, t)
-            r -= r[C].mean()
-            curvature = float(np.sum(r[C] * t[C]))
-            if curvature <= 0:
-                break
-            step = float(np.sum(g[C] * t[C])) / curvature
-            p = np.maximum(np.where(C, p - step * t, p), 0)
-            late = self.D & (p == 0) & (g < 0)
-            p[late] -= step * g[late]
-            fresh = bool(late.any())
-            old = new
-            if not p.any():  # the step was too long: start with the highest point
-                p[np.unravel_index(np.argmin(np.where(self.D, g, np.inf)), p.shape)] = 1.0
-                fresh = True
-            p *= N * p_star / p.sum()
-        return p
 
 
 @lru_cache(maxsize=8)
@@ -559,7 +471,10 @@ def _slope(h, spacings):
 
 
 def _conjugate_gradients(apply, precondition, b, max_steps, relative, absolute):
-    """Return the solution of apply(x) = b to a relative or an absolute residual (L2)."""
+    """Return the solution of apply(x) = b to a relative or an absolute residual (L2).
+
+    They end where rounding errors make the operator lose its sign, which scipy's do not.
+    """
     x = np.zeros_like(b)
     r = b
     size = np.sqrt(np.sum(b * b))
