@@ -9,7 +9,7 @@ from typing import Any
 
 from ..parallel.committed import committed_file, reading
 from ..parallel.h5 import Stored, inside
-from ..util.errors import SceneError, one_line, reason
+from ..util.errors import SceneError, is_mistake, one_line, reason
 from .describe import RECORD
 from .folder import GROWING, has_begun, is_held, of_earlier_version, partial_folder
 from .result import FORMAT_VERSION, Result
@@ -108,6 +108,8 @@ def read_file(path: Path, kind: str = FORMAT) -> Result:
     except SceneError:
         raise
     except Exception as error:
+        if is_mistake(error):
+            raise
         raise SceneError(f"{path}: the file is damaged ({reason(error)})") from error
 
 

@@ -7,7 +7,7 @@ and is renamed to OUT.h5. The folder also holds the gap of a load that was stopp
 
 import os
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -118,11 +118,13 @@ class RunFile(AbstractContextManager):
         self._head |= head
         self._add({}, {} if height_field is None else {HEIGHTS: height_field})
 
-    def require_space(self, loads: int, fields: Sequence[str], dtype: DTypeLike) -> None:
-        """Raise SceneError if the disk is too small for the next loads (packed: unknown)."""
-        count = loads * len([name for name in fields if name != "heights"])
+    def require_space(self, loads: int, dtypes: Iterable[DTypeLike]) -> None:
+        """Raise SceneError if the disk is too small for the fields of the next loads, of these
+        types unless the scene gives another (packed: unknown).
+        """
         points = self._n[0] * self._n[1]
-        needed = SLACK + count * points * np.dtype(self._dtype or dtype).itemsize
+        of_fields = (np.dtype(self._dtype or dtype).itemsize for dtype in dtypes)
+        needed = SLACK + points * sum(of_fields)
 
         def check() -> None:
             """Compare with the disk of the folder."""

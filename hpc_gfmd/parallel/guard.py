@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from traceback import format_exception
 from typing import TypeVar
 
-from ..util.errors import GfmdError, reason
+from ..util.errors import GfmdError, is_mistake, reason
 from .comm import Comm
 
 T = TypeVar("T")
@@ -15,18 +16,18 @@ def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
     """Make a block raise on every rank if it raises on any. Collective.
 
     The block must not contain a collective call that a failing rank would skip, unless in such a
-    block of its own. A GfmdError stays, other Exceptions become one that begins with `doing`; ranks
-    that have not failed raise that of the lowest that has. KeyboardInterrupt and SystemExit are not
-    passed on.
+    block of its own. A GfmdError and a programming error stay, other Exceptions become a GfmdError
+    that begins with `doing`; ranks that have not failed raise that of the lowest that has.
+    KeyboardInterrupt and SystemExit are not passed on.
     """
-    error: GfmdError | None = None
+    error: Exception | None = None
     try:
         yield
-    except GfmdError as caught:
-        error = caught
     except Exception as caught:
-        error = GfmdError(f"{doing}: {reason(caught)}")
-        error.__cause__ = caught
+        error = caught
+        if not (isinstance(caught, GfmdError) or is_mistake(caught)):
+            error = GfmdError(f"{doing}: {reason(caught)}")
+            error.__cause__ = caught
     raise_on_all(comm, error)
 
 
@@ -50,7 +51,8 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
     Raises
     ------
     GfmdError
-        On every rank if work raises, as `collective_errors` does.
+        On every rank if work raises, with the reason of any error but a programming error, which
+        is raised itself, by the others as RuntimeError.
     """
     result = None
     with collective_errors(comm, doing):
@@ -60,14 +62,19 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
 
 
 def raise_on_all(comm: Comm, error: Exception | None) -> None:
-    """Raise on every rank if any rank has an error: its own, or that of the lowest rank, as
-    GfmdError. Collective; ranks wait asleep, as another may need their cores for long.
+    """Raise on every rank if any has an error: its own, or that of the lowest rank, as a GfmdError
+    or as a RuntimeError with its traceback. Collective; ranks wait asleep, as another may need
+    their cores for long.
     """
     comm.wait_asleep()
     failing_rank = int(comm.min([comm.size if error is None else comm.rank])[0])
     if failing_rank == comm.size:
         return
-    kind, text = comm.bcast(None if error is None else (type(error), str(error)), failing_rank)
+    is_foreseen = error is None or isinstance(error, GfmdError)
+    text = str(error) if is_foreseen else "".join(format_exception(error))
+    kind, text = comm.bcast((type(error), text), failing_rank)
     if error is not None:
         raise error
-    raise kind(text) if issubclass(kind, GfmdError) else GfmdError(text)
+    if issubclass(kind, GfmdError):
+        raise kind(text)
+    raise RuntimeError(f"{kind.__name__} on rank {failing_rank}\n{text}")

@@ -22,7 +22,7 @@ from ..contact.fields import heights_of
 from ..driver.grid_errors import CoarseContact
 from ..driver.history import History
 from ..driver.load import Unfinished
-from ..driver.precision import first_of_scene
+from ..driver.precision import first_of_scene, precisions
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import clear, has_begun, is_held, of_earlier_version, partial_folder
@@ -209,7 +209,7 @@ class _Recorder:
         run.show(finished)
         missing = [index for index in range(len(run.loads)) if index not in finished]
         if missing:
-            self.file.require_space(len(missing), self.scene.output.fields, run.sweep.dtype)
+            self.file.require_space(len(missing), self._types_of_fields(run, missing))
             self.interrupt.require_time()
             self._solve(run, missing)
         status = worst_status([*self.file.finished.values()])
@@ -217,6 +217,13 @@ class _Recorder:
         for line in run.table.end():
             self.reporter.say(line)
         return status
+
+    def _types_of_fields(self, run: Run, missing: list[int]) -> list[np.dtype]:
+        """Return the types of the fields of missing loads, double where a load may need it."""
+        forecast = precisions(self.scene, self.surfaces.size.n, np.float64)
+        of_loads = [np.result_type(run.sweep.dtype, forecast[index]) for index in missing]
+        count = len([name for name in self.scene.output.fields if name in FIELDS])
+        return of_loads * count
 
     def _solve(self, run: Run, missing: list[int]) -> None:
         """Solve and write these loads, one that has to stop with its gap alone. Collective."""

@@ -7,7 +7,7 @@ from typing import Any
 from zipfile import ZipFile
 
 from ..scene.height_maps import ANY
-from ..util.errors import SceneError, one_line
+from ..util.errors import SceneError, is_mistake, one_line
 from ..util.file_names import require_name
 from . import arrays_in_files, containers, instruments, pictures, text
 from .contents import Contents, contents_of, files_in, format_of
@@ -49,6 +49,8 @@ def open_map(spec: Any) -> Map:
     except MemoryError as error:
         raise SceneError(f"surface.path: not enough memory to read {path} ({error})") from None
     except Exception as error:
+        if is_mistake(error):
+            raise
         reason = one_line(str(error), 400) or type(error).__name__
         if kind == "text" and contents.claimed not in ("", "text"):
             kind = f"{contents.claimed}; it is a text"

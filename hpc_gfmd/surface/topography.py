@@ -11,7 +11,14 @@ import numpy as np
 
 from ..scene import each
 from ..scene.height_maps import Reading
-from ..util.errors import ReadingWarning, SceneError, SurfaceWarning, each_once, one_line
+from ..util.errors import (
+    ReadingWarning,
+    SceneError,
+    SurfaceWarning,
+    each_once,
+    is_mistake,
+    one_line,
+)
 from ..util.quantities import Quantity
 from .analytic import Rows, StoredRows
 from .files import open_map
@@ -137,6 +144,8 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
             with np.errstate(over="ignore"):  # of long double; infinity is seen below
                 z = _rows_of(data, metadata, start, stop, n[0])
         except Exception as error:
+            if is_mistake(error):
+                raise
             raise SceneError(
                 f"surface.path: reading {path} failed: {one_line(str(error))}"
             ) from None

@@ -2,6 +2,8 @@
 
 import re
 from collections.abc import Iterable
+from pathlib import Path
+from traceback import extract_tb
 
 
 class GfmdError(Exception):
@@ -56,6 +58,18 @@ def one_line(text: str, longest: int = 200) -> str:
     printable = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
     line = " ".join(printable.split())
     return line if len(line) <= longest else f"{line[: longest - 60]} ... {line[-50:]}"
+
+
+MISTAKES = (AssertionError, AttributeError, NameError, TypeError)
+_PACKAGE = Path(__file__).parents[1]
+
+
+def is_mistake(error: BaseException) -> bool:
+    """Whether an exception is a programming error: of these kinds, and raised by the code of this
+    package, not by a library that reads a damaged file. It is no error of the user's.
+    """
+    place = Path(extract_tb(error.__traceback__)[-1].filename)
+    return isinstance(error, MISTAKES) and place.is_relative_to(_PACKAGE)
 
 
 def reason(error: BaseException) -> str:

@@ -2,9 +2,11 @@
 
 import fcntl
 import shutil
+from math import prod
 
 import numpy as np
 import pytest
+from contacts import rough
 from refusal import refused
 from result_files import FIELD, STEP, begin, complete, interrupted, names
 
@@ -12,7 +14,8 @@ from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.parallel.committed import committed_file
 from hpc_gfmd.parallel.h5 import SLACK
-from hpc_gfmd.runs.simulation import restart
+from hpc_gfmd.runs.simulation import restart, run_scene
+from hpc_gfmd.scene import Scene
 
 
 def test_an_interrupted_run_can_be_read_and_resumed(path):
@@ -153,10 +156,31 @@ def test_what_is_cut_short_leaves_the_finished_loads(path, monkeypatch, last, co
     assert names(path.parent) == ["out.h5"]
 
 
+def leave(free, monkeypatch):
+    """Make disks seem to have `free` bytes left."""
+    usage = shutil.disk_usage(".")
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=free))
+
+
 def test_a_disk_that_is_too_small_is_refused(path, monkeypatch):
-    usage = shutil.disk_usage(path.parent)
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=SLACK + 6 * 30 * 4))
+    leave(SLACK + 5 * 30 * 4, monkeypatch)
     with begin(path) as run:
-        run.require_space(3, ["gap", "pressure", "heights"], np.float32)
+        run.require_space(3, 3 * [np.float32] + [np.float64])
         with refused(r"output\.fields: .* needed for 4 loads"):
-            run.require_space(4, ["gap", "pressure", "heights"], np.float32)
+            run.require_space(4, 4 * [np.float32] + [np.float64])
+
+
+@pytest.mark.parametrize(
+    ("load", "size"), [({"p_star": [0.1, 0.2]}, 4), ({"gap_over_h_rms": [1, 0.5]}, 8)]
+)
+def test_the_disk_must_hold_what_a_load_in_double_precision_writes(load, size, path, monkeypatch):
+    """A load may need it, with "auto", unless it is known beforehand that it does not."""
+    tables = {"surface": rough(), "load": load, "solver": {"accuracy": 0.02}}
+    output = {"path": str(path), "fields": ["gap"]}
+    scene = Scene.from_dict(tables | {"output": output})
+    needed = SLACK + 2 * prod(scene.surface.n) * size
+    leave(needed - 1, monkeypatch)
+    with refused(r"output\.fields: .* needed for 2 loads"):
+        run_scene(scene, quiet=True)
+    leave(needed, monkeypatch)
+    assert run_scene(scene, quiet=True).status == "converged"
