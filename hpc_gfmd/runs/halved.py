@@ -8,11 +8,9 @@ import numpy as np
 from ..output.summary import is_number
 from ..parallel.comm import Comm
 from ..scene import Scene
-from ..scene.settings import LoadTable
-from ..scene.table import about
 from ..util.errors import SceneError
-from ..util.quantities import SI, Quantity
 from .in_memory import solve_loads, surfaces_of_scene
+from .loads import with_loads
 
 NUMBERS = {"a_r": "contact area", "gap_mean": "mean gap", "p": "pressure"}
 
@@ -26,28 +24,20 @@ def require_steps(scene: Scene) -> None:
 def with_halved_steps(scene: Scene) -> Scene:
     """Return a history with a load in the middle of each step that takes time."""
     name, values = scene.load.prescribed
-    changes = {
-        key: _with_middles(key, numbers, scene.load.time or ())
-        for key, numbers in ((name, values), ("time", scene.load.time or ()))
-    }
-    load = scene.load.model_copy(update=changes)
+    times = scene.load.time or ()
+    loads = {name: _with_middles(values, times), "time": _with_middles(times, times)}
     output = scene.output.model_copy(update={"fields": (), "distributions": (), "observables": ()})
-    return scene.model_copy(update={"load": load, "output": output})
+    return with_loads(scene.model_copy(update={"output": output}), **loads)
 
 
-def _with_middles(key: str, numbers: Sequence[float], times: Sequence[float]) -> tuple[float, ...]:
+def _with_middles(numbers: Sequence[float], times: Sequence[float]) -> list[float]:
     """Return numbers of the loads with the mean of two between them, unless that is a jump."""
-    unit = about(LoadTable.model_fields[key])["unit"]
     result = [numbers[0]]
     for (before, after), (start, end) in zip(pairwise(numbers), pairwise(times), strict=True):
         if end > start:
-            middle = 0.5 * (float(before) + float(after))
-            if isinstance(after, Quantity):
-                middle = Quantity(middle)
-                middle.text = f"{float(middle)!r} {SI[unit]}"
-            result.append(middle)
+            result.append(0.5 * (before + after))
         result.append(after)
-    return tuple(result)
+    return result
 
 
 def changes_by_halving(scene: Scene, steps: Sequence[dict], comm: Comm) -> dict[str, float]:

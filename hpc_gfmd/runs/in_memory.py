@@ -279,8 +279,8 @@ def solve_loads(
     if pull_off is not None:
         steps = [steps[k] for k in pull_off.order]
         contacts = [contacts[k] for k in pull_off.order]
-        _, values = run.scene.load.prescribed
-        scene = with_loads(run.scene, [values[k] for k in pull_off.order], run.attributes)
+        name, values = run.scene.load.prescribed
+        scene = with_loads(run.scene, **{name: [values[k] for k in pull_off.order]})
     _forget_transforms(contacts)
     status = "interrupted" if interrupted else worst_status(steps)
     attributes = run.attributes

@@ -110,22 +110,10 @@ def interface_law(
             f"quantities: found {', '.join(uneven)}, which jump from load to load, so that no"
             " error of an interpolation is known; solve the pressures that are needed instead"
         )
-    unit = " Pa" if isinstance(low, Quantity) else ""
-
-    def with_unit(pressure: float) -> float | str:
-        return f"{pressure!r}{unit}" if unit else pressure
-
-    sampler = Sampler(
-        surfaces, names, error, realisations, keys, comm, progress, with_unit(float(low))
-    )
-
-    def sample(pressures: list[float]) -> list[Steps]:
-        """Solve all surfaces at some pressures; return the attributes of their loads."""
-        return sampler([with_unit(pressure) for pressure in pressures])
-
+    sampler = Sampler(surfaces, names, error, realisations, keys, comm, progress, low)
     curves = _Curves(quantities, error)
-    curves.refine(sample, float(low), float(high))
-    return curves.law(sampler.facts())
+    curves.refine(sampler, float(low), float(high))
+    return curves.law(sampler.surface, sampler.gap_at_touch, sampler.about)
 
 
 class _Curves:
@@ -196,10 +184,14 @@ class _Curves:
         pressures = sorted(self.steps)
         return np.array(pressures), np.array([_mean(name, self.steps[p]) for p in pressures])
 
-    def law(self, facts: Mapping[str, Any]) -> InterfaceLaw:
-        """Return the law from all solved loads, without quantities that have no value."""
+    def law(
+        self, surface: Mapping[str, Any], gap_at_touch: float, remarks: Sequence[str]
+    ) -> InterfaceLaw:
+        """Return the law from all solved loads, without quantities that have no value. surface: its
+        attributes; remarks: lines on the surfaces.
+        """
         pressures = sorted(self.steps)
-        about = list(facts["about"])
+        about = [*remarks]
         names = []
         for name in self.quantities:
             if np.isfinite(self.curve(name)[1]).any():
@@ -215,9 +207,12 @@ class _Curves:
             values,
             {name: self._errors(name, pressures) for name in names},
             {name: np.array([_scatter(name, self.steps[p]) for p in pressures]) for name in names},
-            facts["gap_at_touch"],
-            {"pressure": facts["pressure_unit"], "gap_at_touch": facts["surface"].get("unit", "")}
-            | {name: unit_of(name, facts["surface"], all_numbers()) for name in names},
+            gap_at_touch,
+            {
+                "pressure": surface.get("pressure_unit", ""),
+                "gap_at_touch": surface.get("unit", ""),
+                **{name: unit_of(name, surface, all_numbers()) for name in names},
+            },
             len(self.steps[pressures[0]]),
             tuple(about),
         )

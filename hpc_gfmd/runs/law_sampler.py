@@ -18,7 +18,7 @@ from ..scene import Scene, load_scene
 from ..util.errors import SceneError
 from .in_memory import Surfaces, kernels_ready, scene_of, surfaces_of, surfaces_of_scene
 from .keywords import is_scene
-from .loads import Run, check
+from .loads import Run, check, with_loads
 from .progress import Reporter
 
 if TYPE_CHECKING:
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 ACCURACY_SHARE = 0.1  # of the law's error: accuracy of its loads, so that it does not deviate by it
 Steps = list[dict[str, Any]]  # attributes of loads: several of one surface, or one of each surface
-Pressures = Sequence[float | str]
 
 
 class Sampler:
-    """Solves all surfaces of a law at given pressures; after the first loads it has `surface`
-    (attributes of the first one) and `gaps` (mean gap of each at touch). Collective.
+    """Solves all surfaces of a law at given pressures, the first of which is `pressure`. After the
+    first loads it has `surface` (attributes of the first one) and `gaps` (mean gap of each at
+    touch). Collective.
     """
 
     def __init__(
@@ -43,13 +43,14 @@ class Sampler:
         keys: Mapping[str, Any],
         comm: Any,
         progress: bool,
-        pressure: float | str,
+        pressure: float,
     ) -> None:
         listed = list(surfaces) if isinstance(surfaces, list | tuple) else [surfaces]
         has_scenes = _has_scenes(listed, keys)
         with_stiffness = "conductance" in quantities and "stiffness" not in quantities
         self.observables = [*quantities, *["stiffness"] * with_stiffness]
         self.accuracy = ACCURACY_SHARE * error
+        self.pressure = pressure
         self.progress = progress
         self.surface: dict[str, Any] = {}
         self.gaps: dict[int, float] = {}
@@ -60,7 +61,7 @@ class Sampler:
         elif realisations != 1:
             raise SceneError("realisations: found with heights, allowed: with scenes")
         else:
-            self.members = [self._heights(heights, keys, pressure) for heights in listed]
+            self.members = [self._heights(heights, keys) for heights in listed]
 
     def _scenes(
         self, listed: Sequence[str | PathLike | Scene], realisations: int
@@ -75,7 +76,10 @@ class Sampler:
         ]
         keep = len(scenes) == 1  # more are made again: together they may not fit into the memory
         return [
-            (self._refined(scene), surfaces_of_scene(self.comm, scene, keep, is_only_one=keep))
+            (
+                self._of_law(self._refined(scene)),
+                surfaces_of_scene(self.comm, scene, keep, is_only_one=keep),
+            )
             for scene in scenes
         ]
 
@@ -87,26 +91,29 @@ class Sampler:
         accuracy = min(solver.accuracy or self.accuracy, self.accuracy)
         return scene.model_copy(update={"solver": solver.model_copy(update={"accuracy": accuracy})})
 
-    def _heights(
-        self, heights: Any, keys: Mapping[str, Any], pressure: float | str
-    ) -> tuple[Scene, Surfaces]:
+    def _heights(self, heights: Any, keys: Mapping[str, Any]) -> tuple[Scene, Surfaces]:
         """Return a scene of heights in memory, and what makes their surface."""
         accuracy = {"accuracy": self.accuracy} if "residual" not in keys else {}
-        arguments = {"pressure": pressure} | accuracy | dict(keys)
+        arguments = {"pressure": self.pressure} | accuracy | dict(keys)
         scene, wall = scene_of(self.comm, heights, arguments)
-        return scene, surfaces_of(self.comm, scene, wall)
+        return self._of_law(scene), surfaces_of(self.comm, scene, wall)
 
-    def __call__(self, pressures: Pressures) -> list[Steps]:
-        """Solve all surfaces at some pressures; return their loads' attributes by surface."""
-        return [self._solve(k, pressures) for k in range(len(self.members))]
-
-    def _solve(self, k: int, pressures: Pressures) -> Steps:
-        scene, surfaces = self.members[k]
+    def _of_law(self, scene: Scene) -> Scene:
+        """Return a scene whose load and output are those of the law."""
         tables = scene.model_dump(exclude_none=True)
-        tables["load"] = {"pressure": list(pressures)}
+        tables["load"] = {"pressure": self.pressure}
         tables["output"] = {"observables": self.observables}
         scene = type(scene).from_dict(tables)
         check(scene)
+        return scene
+
+    def __call__(self, pressures: Sequence[float]) -> list[Steps]:
+        """Solve all surfaces at some pressures; return their loads' attributes by surface."""
+        return [self._solve(k, pressures) for k in range(len(self.members))]
+
+    def _solve(self, k: int, pressures: Sequence[float]) -> Steps:
+        scene, surfaces = self.members[k]
+        scene = with_loads(scene, pressure=pressures)
         reporter = Reporter(self.comm, scene.solver, not self.progress)
         with kernels_ready(self.comm, scene):
             run = Run(scene, surfaces, reporter)
@@ -121,15 +128,16 @@ class Sampler:
         total = float(self.comm.sum([float(np.sum(heights_of(surface)[:], dtype=float))])[0])
         return -total / (surface.n[0] * surface.n[1])
 
-    def facts(self) -> dict[str, Any]:
-        """Return what the result of a law says of its surfaces, once the first loads are solved."""
+    @property
+    def gap_at_touch(self) -> float:
+        """Mean over the surfaces of the mean gap when the highest point just touches."""
+        return float(np.mean(list(self.gaps.values())))
+
+    @property
+    def about(self) -> list[str]:
+        """Lines on the surfaces: the first title of a scene, and the first surface."""
         titles = [scene.title for scene, _ in self.members if scene.title]
-        return {
-            "surface": self.surface,
-            "pressure_unit": self.surface.get("pressure_unit", ""),
-            "gap_at_touch": float(np.mean(list(self.gaps.values()))),
-            "about": (*titles[:1], surface_line(self.surface)),
-        }
+        return [*titles[:1], surface_line(self.surface)]
 
 
 def _has_scenes(surfaces: Sequence[Any], keys: Mapping[str, Any]) -> bool:

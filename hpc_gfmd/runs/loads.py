@@ -6,7 +6,7 @@ the numbers of the result file.
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,12 +34,13 @@ from ..laws import attraction_of, law_names
 from ..parallel import interrupt
 from ..scene import File, LoadTable, Scene, each, has_unit
 from ..scene.explain import require_known
+from ..scene.table import about
 from ..solvers import solver_names
 from ..solvers.base import Progress
 from ..surface import Precision, Surface
 from ..surface.doubtful_numbers import modulus_notes
 from ..util.errors import SceneError, SurfaceWarning
-from ..util.quantities import format_quantity
+from ..util.quantities import SI, format_quantity
 from .progress import Reporter
 from .table import GrowingTable
 
@@ -248,11 +249,11 @@ class Run:
 
     def solve_further(self, pressure: float, gap: np.ndarray) -> SolvedLoad:
         """Solve one more load from a gap (local slab, program's unit) and add it to `loads`."""
-        _, values = self.scene.load.prescribed
+        name, values = self.scene.load.prescribed
         E_star = float(self.scene.material.E_star)
         area = float(np.prod(self.surface.sizes))
         value = pressure / self.scene.load.unit(E_star, self.surface.g_rms, area)
-        self.scene = with_loads(self.scene, [*values, value], self.attributes)
+        self.scene = with_loads(self.scene, **{name: [*values, value]})
         self.loads.append(Load("pressure", pressure))
         start = Unfinished(gap, pressure, 0, 0.0)
         return self._solve(len(self.loads) - 1, unfinished=start)
@@ -297,16 +298,20 @@ class Run:
         return "p*", self.loads[index].value / self.sweep.working.pressure_unit
 
 
-def with_loads(scene: Scene, values: Sequence[float], attributes: dict[str, Any]) -> Scene:
-    """Return a scene with other loads of the same kind: pressures, forces or p*, in SI units."""
-    name, _ = scene.load.prescribed
-    pressure = attributes.get("pressure_unit", "")
-    length = attributes.get("unit", "")
-    units = {"pressure": pressure, "force": "N" if pressure and length else ""}
-    unit = units.get(name, "")
-    texts = [f"{float(value)!r} {unit}" if unit else float(value) for value in values]
+def with_loads(scene: Scene, **loads: Iterable[float]) -> Scene:
+    """Return a scene with other numbers for keys of [load] that it has, in SI units if it has
+    units.
+    """
     tables = scene.model_dump(exclude_none=True)
-    tables["load"][name] = texts
+    for name, numbers in loads.items():
+        dimension = about(LoadTable.model_fields[name])["unit"]
+        has_units = has_unit(getattr(scene.load, name))
+        if dimension in ("pressure", "force"):  # a load of 0 needs no unit
+            has_units = has_units or bool(scene.pressure_unit)
+        if has_units:
+            tables["load"][name] = [f"{float(number)!r} {SI[dimension]}" for number in numbers]
+        else:
+            tables["load"][name] = [float(number) for number in numbers]
     return type(scene).from_dict(tables)
 
 
