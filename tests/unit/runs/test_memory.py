@@ -77,7 +77,7 @@ def test_limit_of_the_process(monkeypatch):
         ("downsample = 8", 2048, 256),
         ('boundary = "mirror", detrend = "tilt"', 1024, 2048),
         ('boundary = "mirror", refine = 2', 512, 2048),
-        ('fill = "harmonic"', 1024, 1024),
+        ('fill = "harmonic", boundary = "periodic"', 1024, 1024),
         ("crop = [0, 0, 0.25, 0.25]", 2048, 512),
         ('crop = [0, 0, 0.5, 0.5], detrend = "tilt"', 2048, 1024),
         ('window = "hann"', 1024, 1024),
