@@ -17,9 +17,11 @@ from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.operators.state import State
+from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.solvers import solver_class, solver_names
 from hpc_gfmd.solvers.bpx import Bpx
+from hpc_gfmd.surface.cell import grid_of
 
 ROUNDING = 1e-12  # of reference solutions in double precision
 
@@ -197,6 +199,23 @@ def test_errors_at_a_held_gap_are_those_of_what_the_spring_holds(accuracy):
     assert solution.status == "converged"
     assert abs(gap / solution.gap_mean - 1) <= solution.gap_error < accuracy
     assert abs(p / solution.p - 1) <= solution.p_error
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_the_error_of_a_held_pressure_is_that_of_the_gap_times_the_spring(boundary):
+    """The spring is 8 times as stiff as the longest wave of the cell, larger with free edges."""
+    solution = hpc_gfmd.solve(
+        random_heights((16, 16)) / 100,
+        gap_mean=0.02,
+        adhesion={"work": 1e-4, "range": 0.01, "law": "exponential"},
+        boundary=boundary,
+    )
+    free = (boundary == "free",) * 2
+    grid = grid_of((16, 16), (1.0, 1.0), SerialComm(), free)
+    cells = grid.cell_points / grid.N
+    spring = cells * 8 * np.pi / np.sqrt(cells)
+    error = solution.gap_error * solution.gap_mean
+    assert solution.p_error * abs(solution.p) == pytest.approx(spring * error)
 
 
 def test_full_contact_under_tension_is_not_certified():

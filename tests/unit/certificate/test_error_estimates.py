@@ -54,3 +54,16 @@ def test_relative_errors_do_not_depend_on_units(free, keys, dtype, steps):
         assert getattr(scaled, name) == getattr(plain, name), name
     if steps == 40:
         assert max(plain.errors) < 0.1
+
+
+@pytest.mark.parametrize("steps", [2, 40])
+def test_what_wrong_heights_leave_is_attainable_once_it_is_the_larger_part(steps):
+    surface = surface_over(random_heights((24, 20), seed=1))
+    problem = Problem(surface.grid, surface.h, 0.3, height_error=1e-3)
+    solver = Bpx(problem)
+    solver.start(cold_gap(problem))
+    for _ in range(steps):
+        solver.step()
+    certificate = certify(problem, solver.state, solver.levels)
+    expected = certificate.errors[1:] if steps == 40 else (0.0, 0.0)
+    assert certificate.attainable == pytest.approx(expected, rel=1e-3)
