@@ -1,10 +1,7 @@
-"""Strong and weak scaling of a whole solve under mpirun, the share of its parts, and what model.py
-predicts from it for a cluster."""
+"""Strong and weak scaling of a whole solve under mpirun, and the share of its parts."""
 
 import time
-from dataclasses import replace
 from functools import partial
-from itertools import product
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -17,12 +14,10 @@ from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.comm import MpiComm
 
 from .contacts import RoughContact
-from .model import CLUSTERS, Machine, predict
 from .report import Report
 from .timing import Stopwatch, run_workers, seconds, serve, summary
 
 ACCURACY = 1e-2
-SMALL = 32  # points along an axis of a grid whose solve takes no time but the interpreter's
 COPIED_BYTES = 2**26  # far more than caches hold
 WARM_UPS = 4  # solves of a process before the system has given it large pages
 # what a rank waits in, by the method of its communicator
@@ -37,7 +32,7 @@ WAITS = {
 
 
 def run(args):
-    """Measure strong scaling for every n, weak scaling from the smallest n, then run the model.
+    """Measure strong scaling for every n, and weak scaling from the smallest n.
 
     Strong scaling is measured on all ranks and on threads of one rank. For weak scaling n grows
     with sqrt(ranks). The runs of one size take turns.
@@ -49,8 +44,6 @@ def run(args):
         for n in args.n:
             _add(report, "strong", dict.fromkeys(ranks + threads, n), precision, args)
         _add(report, "weak", {(k, 1): _grown(min(args.n), k) for k, _ in ranks}, precision, args)
-    if 1 in args.ranks:
-        _predict(report, args)
     report.finish()
 
 
@@ -79,22 +72,6 @@ def _grown(n, ranks):
     """Return the next multiple of 4 from n sqrt(ranks) that has small prime factors: transforms of
     other lengths are slow."""
     return 4 * next_fast_len(round(n * ranks**0.5 / 4), real=True)
-
-
-def _predict(report, args):
-    """Report what the model predicts for clusters from one core of this machine."""
-    settings = {"precision": args.precision[0], "p_star": args.p_star, "threads": 1, "n": SMALL}
-    small = summary(run_workers("scaling", {1: (1, settings)}, args.repeats, WARM_UPS)[1])
-    serial = {"kind": "strong", "ranks": 1, "threads": 1, "precision": args.precision[0]}
-    serial_rows = [row for row in report.rows if serial.items() <= row.items()]
-    largest = max(serial_rows, key=lambda row: row["n"])
-    machine = Machine.of(largest, small)
-    model = Report("scaling-model", args.out)
-    model.note(str(machine))
-    for link, n, doublings in product(CLUSTERS, (2**15, 2**17), range(11)):
-        if row := predict(n, 2**doublings, replace(machine, link=link)):
-            model.add(**row)
-    model.finish()
 
 
 def worker(comm, n, precision, p_star, threads):

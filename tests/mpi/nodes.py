@@ -4,7 +4,7 @@ Ranks on different nodes share no memory and exchange everything by messages.
 """
 
 import numpy as np
-from bench.decomposition import stages
+from decomposition import stages
 
 from hpc_gfmd.parallel import comm as communicators
 from hpc_gfmd.parallel.comm import MpiComm

@@ -3,8 +3,8 @@
 import os
 
 import pytest
-from bench.decomposition import Share, stages
 from contacts import rough, sweep_of
+from decomposition import Share, stages
 from mpi.nodes import CountingComm, sent_in_a_step
 
 from hpc_gfmd.operators import hierarchy

@@ -6,8 +6,8 @@ import os
 
 import numpy as np
 import pytest
-from bench.decomposition import Share, busiest, share_of, transpose_traffic
 from contacts import rough, sweep_of
+from decomposition import Share, busiest, share_of, transpose_traffic
 from mpi.nodes import NODES, PER_NODE, on_pretended_nodes, sent_in_a_step
 from transfers import assert_same_on_slabs
 

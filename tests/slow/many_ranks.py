@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench.decomposition import share_of
 from contacts import EXACT, field, rough, sweep_of
+from decomposition import share_of
 from mpi.nodes import on_pretended_nodes, sent_in_a_step
 
 from hpc_gfmd.parallel.world import world

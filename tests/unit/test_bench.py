@@ -1,10 +1,9 @@
-"""`scripts/bench` with tiny contacts: rows, errors, times and the model are consistent."""
+"""`scripts/bench` with tiny contacts: rows, errors and times are consistent."""
 
 import importlib.util
 import json
 import shlex
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import mpi_harness
@@ -14,7 +13,6 @@ from bench import peers, timing
 from bench.cells import by_cells
 from bench.command import ITEMS, make_parser
 from bench.contacts import RoughContact, distance
-from bench.model import Machine, predict
 from refusal import refused
 from scene_tables import rows
 
@@ -134,34 +132,6 @@ def test_wrong_arguments_are_refused(monkeypatch, tmp_path, cli):
     cli.script = make_parser
     for arguments, words in WRONG:
         assert words in cli.refused(arguments)
-
-
-def test_model_counts_what_ranks_send():
-    """An ideal network costs nothing; latency, overhead, bandwidth and halos add time."""
-    ideal = Machine(
-        work=2.5e-10,
-        levels=0,
-        pairs=7,
-        coarse_pairs=3,
-        cores=8,
-        barrier=0,
-        halo=0,
-        latency=0,
-        overhead=0,
-        link=1e30,
-    )
-    one_node, eight_nodes = (predict(4096, nodes, ideal) for nodes in (1, 8))
-    assert eight_nodes["of_one_node"] > 0.96  # coarse grids are on fewer ranks
-    gathered = predict(4096, 8, replace(ideal, levels=0.05))
-    assert 0.9 < gathered["of_one_node"] < eight_nodes["of_one_node"]
-    for price in ({"latency": 1e-4}, {"overhead": 1e-4}, {"link": 1e9}):
-        assert predict(4096, 8, replace(ideal, **price))["seconds"] > 1.2 * eight_nodes["seconds"]
-    assert predict(4096, 1024, ideal) is None
-    crowded = predict(4096, 1, replace(ideal, bandwidth=1e9))
-    assert crowded["seconds"] > 3 * one_node["seconds"]
-    assert crowded["of_bandwidth"] > 0.9
-    for price in ({"barrier": 1e-3}, {"halo": 1e-3}, {"call": 1e-2}):
-        assert predict(4096, 1, replace(ideal, **price))["seconds"] > 1.2 * one_node["seconds"]
 
 
 SMALL = {  # of every item that needs no other code

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bench.decomposition import busiest, rows_by_rank, share_of
+from decomposition import busiest, rows_by_rank, share_of
 
 MIB = 2**20
 SIZES = [2**k for k in range(12, 18)]

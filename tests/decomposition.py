@@ -1,24 +1,17 @@
-"""Memory and messages of a rank, for any rank of any number of ranks.
-
-They are computed by the code that runs, without allocating memory or sending messages.
-"""
+"""Memory and messages of a rank, for any rank of any number of ranks: computed from the tables of
+the package, without allocating memory or sending messages."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.driver.decimation import Decimation
 from hpc_gfmd.kernels.bpx import UpdateSums
-from hpc_gfmd.operators.hierarchy import Step, steps_of
-from hpc_gfmd.parallel.coarsening import Level
+from hpc_gfmd.operators.hierarchy import steps_of
 from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.parallel.halo import Pieces
 from hpc_gfmd.parallel.layout import Layout
 
 # numbers in each sum over all ranks of a step of bpx; the last includes those of a sweep
@@ -30,17 +23,17 @@ class DryRunComm:
 
     mpi = parent = None
 
-    def __init__(self, rank: int, size: int, nodes: np.ndarray):
+    def __init__(self, rank, size, nodes):
         self.rank = rank
         self.size = size
         self._nodes = nodes
 
     @property
-    def node_ranks(self) -> np.ndarray:
+    def node_ranks(self):
         """The ranks on the same node, ascending."""
         return np.flatnonzero(self._nodes == self._nodes[self.rank])
 
-    def subcomm(self, ranks: list[int]) -> "DryRunComm | None":
+    def subcomm(self, ranks):
         """Return the communicator of these ranks alone; None if this rank is not among them."""
         if self.rank not in ranks:
             return None
@@ -57,56 +50,35 @@ class Share:
         The grid as this rank sees it.
     dtype : dtype
         Type of the fields.
-    nested : bool
-        Whether the load is solved on coarser grids first.
     """
 
     grid: Grid
     dtype: np.dtype
-    nested: bool = True
 
     @property
-    def points(self) -> int:
+    def points(self):
         """Number of points in the slab of this rank."""
         return math.prod(self.grid.shape)
 
     @cached_property
-    def layout(self) -> Layout:
-        """Rows and columns of the transforms of the finest grid."""
-        return self.layout_of(self.grid, self.dtype)
-
-    @staticmethod
-    def layout_of(grid: Grid, dtype: DTypeLike) -> Layout:
-        """Return the layout of the transforms of a grid: which rank has which rows and columns.
-
-        Parameters
-        ----------
-        grid : Grid
-            Any grid.
-        dtype : dtype
-            Type of the real field.
-
-        Returns
-        -------
-        Layout
-            Rows and columns of the transforms.
-        """
-        return Layout(
-            grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize, grid.comm.node_ranks
-        )
+    def layout(self):
+        """Rows and columns of the transforms of the grid: which rank has which."""
+        grid = self.grid
+        itemsize = 2 * self.dtype.itemsize
+        return Layout(grid.n, grid.starts, grid.comm.rank, itemsize, grid.comm.node_ranks)
 
     @cached_property
-    def grids(self) -> list[Grid]:
+    def grids(self):
         """Coarser grids of a nested iteration on which this rank has points, finest first."""
-        coarser: list[Grid] = []
+        coarser = []
         grid = self.grid
-        while self.nested and (step := Decimation.of(grid)) is not None and step.coarse is not None:
+        while (step := Decimation.of(grid)) is not None and step.coarse is not None:
             grid = step.coarse
             coarser.append(grid)
         return coarser
 
     @cached_property
-    def hierarchy(self) -> tuple[list[Step], list[Level]]:
+    def hierarchy(self):
         """(steps, levels) of the preconditioner.
 
         The steps are those to the distributed levels and the first one to a level that is not
@@ -115,20 +87,20 @@ class Share:
         return steps_of(self.grid, self.dtype)
 
     @property
-    def _points_alone(self) -> int:
+    def _points_alone(self):
         """Number of points of the coarse levels that are not distributed; 0 if not on this rank."""
         steps, every_level = self.hierarchy
         levels = every_level[len(steps) :] if self.grid.comm.rank in steps[-1].ranks else ()
         return sum(math.prod(level.n) for level in levels)
 
     @property
-    def level_points(self) -> int:
+    def level_points(self):
         """Number of points of all coarse levels of the preconditioner on this rank."""
         steps, _ = self.hierarchy
         return sum(step.owned * step.transfer.m[1] for step in steps[:-1]) + self._points_alone
 
     @property
-    def level_bytes(self) -> int:
+    def level_bytes(self):
         """Bytes of the levels of the preconditioner on this rank."""
         steps, _ = self.hierarchy
         numbers = sum(math.prod(step.window_shape) for step in steps[:-1])
@@ -140,22 +112,22 @@ class Share:
         return (numbers + 2 * self._points_alone) * self.dtype.itemsize
 
     @property
-    def nested_points(self) -> int:
+    def nested_points(self):
         """Number of points of all coarser grids of the nested iteration on this rank."""
         return sum(math.prod(grid.shape) for grid in self.grids)
 
     @property
-    def coarse_points(self) -> int:
+    def coarse_points(self):
         """Number of points of the coarse levels, or of the coarser grids, whichever is larger."""
         return max(self.level_points, self.nested_points)
 
     @cached_property
-    def level_traffic(self) -> tuple[int, int]:
+    def level_traffic(self):
         """(bytes, messages) that this rank sends in one sweep over the levels."""
         return traffic_of(self.hierarchy[0], self.dtype.itemsize)
 
     @property
-    def reduction_traffic(self) -> tuple[int, int]:
+    def reduction_traffic(self):
         """(bytes, messages) that this rank sends in the sums over ranks of one iteration."""
         depth = stages(self.grid.comm.size)
         numbers = list(REDUCTIONS)
@@ -165,93 +137,40 @@ class Share:
         return 8 * sum(numbers) * depth, len(numbers) * depth
 
     @property
-    def traffic(self) -> tuple[int, int]:
+    def traffic(self):
         """(bytes, messages) that this rank sends in one iteration of bpx, which is one FFT pair."""
         parts = transpose_traffic(self.layout), self.level_traffic, self.reduction_traffic
         nbytes, messages = zip(*parts)
         return sum(nbytes), sum(messages)
 
 
-def share_of(
-    n: Sequence[int],
-    dtype: DTypeLike,
-    ranks: int,
-    rank: int = 0,
-    nominal: Sequence[int] | None = None,
-    sizes: Sequence[float] | None = None,
-    nested: bool = True,
-    per_node: int = 1,
-) -> Share:
-    """Return the share that one rank has of a grid.
+def share_of(n, dtype, ranks, rank=0, per_node=1):
+    """Return the share that one rank has of a grid of n points.
 
-    Parameters
-    ----------
-    n : (int, int)
-        Points of the grid.
-    dtype : dtype
-        Type of the fields.
-    ranks, rank : int
-        Number of ranks, and the number of this rank.
-    nominal : (int, int), optional
-        Points of the surface; by default all.
-    sizes : (float, float), optional
-        Lengths of the grid, which decide the axes that a coarser level halves. By default points
-        are square.
-    nested : bool
-        Whether the load is solved on coarser grids first.
-    per_node : int
-        Ranks on each node, assigned in their order; they transpose without messages among
-        themselves.
-
-    Returns
-    -------
-    Share
-        That of this rank.
+    per_node: ranks on each node, assigned in their order; they transpose without messages among
+    themselves.
     """
-    comm: Any = DryRunComm(rank, ranks, np.arange(ranks) // per_node)
-    lengths = tuple(map(float, sizes or n))
-    return Share(Grid(n, lengths, comm, nominal=nominal), np.dtype(dtype), nested)
+    comm = DryRunComm(rank, ranks, np.arange(ranks) // per_node)
+    return Share(Grid(n, tuple(map(float, n)), comm), np.dtype(dtype))
 
 
-def busiest(
-    n: Sequence[int], dtype: DTypeLike, ranks: int, per_node: int = 1, **options: Any
-) -> list[Share]:
+def busiest(n, dtype, ranks, per_node=1):
     """Return the shares of a few ranks, among which are the largest in every respect.
 
     Rank 0 has a part in all levels and all remainders. The ranks of the last node, which may be
     fewer than on others, send more.
-
-    Parameters
-    ----------
-    n : (int, int)
-        Points of the grid.
-    dtype : dtype
-        Type of the fields.
-    ranks : int
-        Number of ranks.
-    per_node : int
-        Ranks on each node.
-    **options
-        nominal, sizes and nested, as for `share_of`.
-
-    Returns
-    -------
-    list of Share
-        In the order of the ranks.
     """
     chosen = {0, min(1, ranks - 1), ranks // 2, (ranks - 1) // per_node * per_node, ranks - 1}
-    return [
-        share_of(n, dtype, ranks, rank, per_node=per_node, **options) for rank in sorted(chosen)
-    ]
+    return [share_of(n, dtype, ranks, rank, per_node) for rank in sorted(chosen)]
 
 
-def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
+def groups_of(steps):
     """Split the steps into groups within which a rank restricts without waiting for messages.
 
     A group ends with a step whose coarse rows are gathered, the last one with the step to the first
     level that a rank has alone.
     """
-    groups: list[list[Step]] = [[]]
+    groups = [[]]
     for step in steps:
         groups[-1].append(step)
         if step.windows is not None:
@@ -259,19 +178,19 @@ def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
     return groups
 
 
-def stages(size: int) -> int:
+def stages(size):
     """Return the messages a rank sends in a reduction, by recursive doubling."""
     return (size - 1).bit_length()
 
 
-def rows_by_rank(pieces: Pieces) -> dict[int, int]:
+def rows_by_rank(pieces):
     """Return how many rows go to each rank, or come from it."""
     return {
         peer: sum(rows.stop - rows.start for rows in of_peer) for peer, of_peer in pieces.items()
     }
 
 
-def transpose_traffic(layout: Layout) -> tuple[int, int]:
+def transpose_traffic(layout):
     """Return (bytes, messages) that a rank sends to other nodes in one FFT pair."""
     to_others = layout.block_widths[:, layout.far]
     mine = layout.block_widths[:, layout.rank]
@@ -282,11 +201,11 @@ def transpose_traffic(layout: Layout) -> tuple[int, int]:
     return int(nbytes), int(messages_forward + messages_back)
 
 
-def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
+def traffic_of(steps, itemsize):
     """Return the bytes and the messages that a rank sends in one sweep by its steps."""
     numbers = messages = 0
     for group in groups_of(steps):
-        peers: set[int] = set()
+        peers = set()
         for step in group[:-1]:
             sent = rows_by_rank(step.overlaps.give)
             numbers += step.fields * sum(sent.values()) * step.transfer.m[1]
