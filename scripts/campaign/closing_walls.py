@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from .registry import Wall, family, load_of_area, scene_wall, single
+from .registry import Wall, family, load_of_area, nearly_closed, scene_wall, single
 from .shapes import choice, grid, log_uniform, rough, square_pixels
-from .truth import Contact
 
 
 @family
@@ -24,9 +23,7 @@ def near_full_closing(rng):
 def next_to_closing(rng):
     """A load 1e-9 to 1e-6 below that of full contact, where the last points are hardly open."""
     z = rough(rng, grid(rng)) if rng.random() < 0.7 else rng.standard_normal(grid(rng))
-    contact = Contact(z, square_pixels(z.shape))
-    closing = contact.times(contact.K, contact.h).max()
-    return Wall(z, square_pixels(z.shape), (closing * (1 - log_uniform(rng, 1e-9, 1e-6)),))
+    return nearly_closed(rng, z, 1e-9, 1e-6)
 
 
 @family
@@ -53,7 +50,7 @@ def smooth_near_full(rng):
     waves = choice(rng, [k for k in (1, 2, 3, 4, 5, 8) if 32 <= k * per_wave <= 160])
     n = waves * per_wave
     z = rough(rng, (n, n), modes=(waves, waves * choice(rng, (1, 1, 1.5, 2))))
-    return Wall(z, (1.0, 1.0), (log_uniform(rng, 0.3, 1.2),))
+    return single(rng, z, low=0.3, high=1.2)
 
 
 @family
@@ -61,7 +58,7 @@ def smooth_near_full_large(rng):
     per_wave, waves = choice(rng, ((32, 8), (64, 4), (64, 5), (128, 2), (32, 10), (64, 8)))
     n = waves * per_wave
     z = rough(rng, (n, n), hurst=0.93, modes=(waves, waves * choice(rng, (1, 1, 2))))
-    return Wall(z, (1.0, 1.0), (log_uniform(rng, 0.3, 1.2),))
+    return single(rng, z, low=0.3, high=1.2)
 
 
 @family

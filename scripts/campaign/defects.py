@@ -1,20 +1,12 @@
 """Families of walls with defects and of nearly ordered walls: single pits and peaks, plates, nearly
 equal bumps, strips."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from .registry import Wall, change_of_sides_near, family, single
-from .shapes import choice, grid, log_uniform, rough, square_pixels
-from .truth import Contact
+from .registry import at_a_change_of_sides, family, nearly_closed, single, with_random_steps
+from .shapes import choice, grid, log_uniform, rough
 
-
-def nearly_closed(rng, z):
-    """Return a wall at a load slightly below that of full contact."""
-    contact = Contact(z, square_pixels(z.shape))
-    closing = contact.times(contact.K, contact.h).max()
-    return Wall(z, square_pixels(z.shape), (closing * (1 - log_uniform(rng, 1e-6, 0.3)),))
+BELOW_CLOSING = 1e-6, 0.3  # range of the loads below that of full contact
 
 
 @family
@@ -22,7 +14,7 @@ def plate_with_a_pit(rng):
     n = choice(rng, (32, 64, 100, 127, 128, 200))
     z = np.zeros((n, n))
     z[tuple(rng.integers(n, size=2))] = -log_uniform(rng, 1e-3, 10)
-    return nearly_closed(rng, z)
+    return nearly_closed(rng, z, *BELOW_CLOSING)
 
 
 @family
@@ -38,7 +30,7 @@ def plate_with_pits(rng):
     spread = choice(rng, (0, 0, 1e-4, 0.3))
     for i, j in places:
         z[i : i + width, j : j + width] = -1 - spread * rng.standard_normal()
-    return nearly_closed(rng, z)
+    return nearly_closed(rng, z, *BELOW_CLOSING)
 
 
 @family
@@ -46,7 +38,7 @@ def plate_with_a_groove(rng):
     n = grid(rng)
     z = choice(rng, (0, 1e-6, 1e-3)) * rough(rng, n)
     z[:, int(rng.integers(n[1]))] -= 1
-    return nearly_closed(rng, z)
+    return nearly_closed(rng, z, *BELOW_CLOSING)
 
 
 @family
@@ -54,7 +46,7 @@ def rough_with_a_pit(rng):
     z = rough(rng, grid(rng))
     for _ in range(choice(rng, (1, 1, 3))):
         z[tuple(rng.integers(z.shape))] -= log_uniform(rng, 3, 300)
-    return nearly_closed(rng, z)
+    return nearly_closed(rng, z, *BELOW_CLOSING)
 
 
 def hexagonal_heights(rng, n, count, jitter, spread):
@@ -94,15 +86,12 @@ def hexagonal(rng):
     jitter = choice(rng, (0, 1e-3, 0.02, 0.1))
     spread = choice(rng, (0, 1e-6, 1e-3, 0.03))
     z = hexagonal_heights(rng, n, count, jitter, spread)
-    p_star = log_uniform(rng, 5e-3, 0.5)
-    return Wall(z, (1.0, 1.0), (change_of_sides_near(rng, z, (1.0, 1.0), p_star),))
+    return at_a_change_of_sides(rng, z, log_uniform(rng, 5e-3, 0.5))
 
 
 @family
 def sweep_hexagonal(rng):
-    wall = hexagonal(rng)
-    steps = np.exp(rng.choice([-1, 1], 7) * rng.uniform(1e-3, 0.3, 7))
-    return replace(wall, loads=tuple(wall.loads[0] * np.cumprod([1.0, *steps])))
+    return with_random_steps(rng, hexagonal(rng), 1e-3, 0.3)
 
 
 @family

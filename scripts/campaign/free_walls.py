@@ -1,12 +1,10 @@
 """Families of walls with free edges, with contact at the edges or away from them, and scans."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from .formed_walls import lattice_heights
 from .light_loads import scene_surface
-from .registry import FAMILIES, Wall, family, scene_wall, single
+from .registry import FAMILIES, family, scene_wall, single, with_random_steps
 from .shapes import choice, coordinates, distances, log_uniform, rough
 
 GRIDS = (
@@ -223,6 +221,4 @@ def free_sweep(rng):
         "free_high_load",
         "free_scene",
     )
-    wall: Wall = FAMILIES[choice(rng, names)](rng)
-    ratios = np.exp(rng.choice([-1, 1], 7) * rng.uniform(0.005, 0.5, 7))
-    return replace(wall, loads=tuple(wall.loads[0] * np.cumprod([1.0, *ratios])))
+    return with_random_steps(rng, FAMILIES[choice(rng, names)](rng), 0.005, 0.5)

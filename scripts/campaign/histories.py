@@ -133,6 +133,7 @@ def judged_rows(wall, way, elements, times):
         wall.heights,
         precision=way["precision"],
         accuracy=way["accuracy"],
+        fields=["pressure"],
         **{quantity: values},
         **keys,
         **keywords(wall),

@@ -4,22 +4,18 @@ The displacement of a load is changed in ways that hide from sums or from residu
 the certificate accepts at an accuracy; what it claims is compared with the exact contact.
 """
 
-from functools import partial
+from dataclasses import replace
 
 import numpy as np
 
-from hpc_gfmd.bodies import body_of
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import StoppingCriterion
-from hpc_gfmd.driver.contact_model import ContactModel
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.operators.state import State
-from hpc_gfmd.scene import Material, SolverTable
 
-from .registry import FAMILIES, Wall, family, surface_of_wall
+from .registry import FAMILIES, family, surface_of_wall, sweep_of
 from .shapes import choice, rough
 from .truth import DOUBTFUL, truths
 
@@ -46,15 +42,7 @@ SEED = 7  # of the changes
 @family
 def hostile_displacement(rng):
     wall = FAMILIES[choice(rng, WALLS)](rng)
-    return Wall(
-        wall.heights,
-        wall.physical_sizes,
-        wall.loads[:1],
-        free=wall.free,
-        hardness=wall.hardness,
-        hardness_star=wall.hardness_star,
-        judge=judged_displacements,
-    )
+    return replace(wall, loads=wall.loads[:1], judge=judged_displacements)
 
 
 def changes(rng, closed):
@@ -127,12 +115,8 @@ def _solved(wall, contact, hardness, dtype):
 
     The gap is None if it cannot be solved.
     """
-
     unit = wall.E_star * contact.g_rms
-    settings = SolverTable(precision="double", residual=1e-10)
-    body = body_of(Material(), wall.free)
-    model = ContactModel(wall.E_star, body, hardness and hardness * unit)
-    sweep = Sweep(partial(surface_of_wall, wall), settings, model)
+    sweep = sweep_of(wall, hardness and hardness * unit, precision="double", residual=1e-10)
     solution = sweep.solve(Load("pressure", wall.loads[0] * unit))
     surface = surface_of_wall(wall, dtype)
     p0 = wall.loads[0] * contact.g_rms / surface.slope

@@ -1,10 +1,12 @@
 """The family of interface laws: values between the loads of a law against solves at these loads."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import hpc_gfmd
 
-from .registry import FAMILIES, Wall, family, outcome
+from .registry import FAMILIES, family, keywords, outcome
 from .shapes import choice, log_uniform
 
 QUANTITIES = ("a_r", "gap_mean", "stiffness")
@@ -19,7 +21,7 @@ def law_between_loads(rng):
     wall = FAMILIES[choice(rng, WALLS)](rng)
     low = log_uniform(rng, 1e-3, 0.05)
     loads = (low, low * log_uniform(rng, 2, 10))
-    return Wall(wall.heights, wall.physical_sizes, loads, free=wall.free, judge=judged_laws)
+    return replace(wall, loads=loads, judge=judged_laws)
 
 
 def judged_laws(wall, way):
@@ -28,11 +30,7 @@ def judged_laws(wall, way):
     What counts is the error that the law claims at the loads on either side: where it cannot reach
     the one that was asked for, it says so. For the arguments see `sticky_walls.judged_rows`.
     """
-    keys = {
-        "physical_sizes": wall.physical_sizes,
-        "boundary": ["free" if ends else "periodic" for ends in wall.free],
-        "E_star": wall.E_star,
-    }
+    keys = keywords(wall)
     unit = wall.E_star * hpc_gfmd.solve(wall.heights, wall.E_star, fields=(), **keys).g_rms
     law = hpc_gfmd.interface_law(
         wall.heights,

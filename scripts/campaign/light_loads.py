@@ -6,7 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from .formed_walls import lattice_heights, wave_heights
-from .registry import FAMILIES, Wall, change_of_sides_near, family, load_of_area, scene_wall, single
+from .registry import (
+    FAMILIES,
+    Wall,
+    at_a_change_of_sides,
+    change_of_sides_near,
+    family,
+    load_of_area,
+    scene_wall,
+    single,
+)
 from .shapes import choice, distances, grid, log_uniform, rough, square_pixels
 
 
@@ -15,20 +24,14 @@ def few_points(rng):
     """Few contact points and a load near a change of sides."""
     n = choice(rng, ((32, 32), (48, 48), (64, 64), (37, 37), (32, 128), (80, 80)))
     z = rough(rng, n) if rng.random() < 0.7 else rng.standard_normal(n)
-    p_star = log_uniform(rng, 3, 60) / z.size / 2
-    sizes = square_pixels(n)
-    return Wall(z, sizes, (change_of_sides_near(rng, z, sizes, p_star),))
+    return at_a_change_of_sides(rng, z, log_uniform(rng, 3, 60) / z.size / 2)
 
 
 @family
 def few_points_smooth(rng):
     n = choice(rng, ((48, 48), (64, 64), (100, 100)))
     z = rough(rng, n, modes=(1, n[0] / rng.uniform(6, 16)))
-    return Wall(
-        z,
-        (1.0, 1.0),
-        (change_of_sides_near(rng, z, (1.0, 1.0), log_uniform(rng, 5, 100) / z.size / 3),),
-    )
+    return at_a_change_of_sides(rng, z, log_uniform(rng, 5, 100) / z.size / 3)
 
 
 @family
@@ -40,9 +43,7 @@ def few_asperities(rng):
     for dx, dy in distances(rng, n, sizes, int(rng.integers(2, 20))):
         width = log_uniform(rng, 0.03, 0.2)
         z = np.maximum(z, rng.uniform(0.5, 1) * np.exp(-(dx**2 + dy**2) / (2 * width**2)))
-    return Wall(
-        z, sizes, (change_of_sides_near(rng, z, sizes, log_uniform(rng, 5, 200) / z.size / 2),)
-    )
+    return at_a_change_of_sides(rng, z, log_uniform(rng, 5, 200) / z.size / 2)
 
 
 @family
@@ -69,11 +70,7 @@ def light(rng):
 def change_of_sides(rng):
     n = choice(rng, ((64, 64), (96, 96), (72, 72)))
     z = choice(rng, (rough(rng, n), wave_heights(96, 6), lattice_heights(72, 12)))
-    return Wall(
-        z,
-        square_pixels(z.shape),
-        (change_of_sides_near(rng, z, square_pixels(z.shape), log_uniform(rng, 5e-3, 0.7)),),
-    )
+    return at_a_change_of_sides(rng, z, log_uniform(rng, 5e-3, 0.7))
 
 
 @family

@@ -2,11 +2,16 @@
 
 import zlib
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 import hpc_gfmd
+from hpc_gfmd.bodies import body_of
+from hpc_gfmd.driver.contact_model import ContactModel
+from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.scene import Material, SolverTable
 from hpc_gfmd.surface.build import surface_of
 from hpc_gfmd.surface.topography import Topography
 
@@ -106,6 +111,20 @@ def load_of_area(z, a_r, sizes=None, steps=18):
     return float(np.sqrt(low * high))
 
 
+def nearly_closed(rng, z, low, high):
+    """Return a wall at a load below that of full contact by a share between low and high."""
+    sizes = square_pixels(z.shape)
+    contact = Contact(z, sizes)
+    closing = contact.times(contact.K, contact.h).max()
+    return Wall(z, sizes, (closing * (1 - log_uniform(rng, low, high)),))
+
+
+def at_a_change_of_sides(rng, z, p_star):
+    """Return a wall at the load of `change_of_sides_near`."""
+    sizes = square_pixels(z.shape)
+    return Wall(z, sizes, (change_of_sides_near(rng, z, sizes, p_star),))
+
+
 def change_of_sides_near(rng, z, sizes, p_star):
     """Return a load near p* at which the number of contact points changes, off by a small share."""
     contact = Contact(z, sizes)
@@ -125,6 +144,12 @@ def change_of_sides_near(rng, z, sizes, p_star):
     return float(rng.choice([low, high]))
 
 
+def with_random_steps(rng, wall, low, high):
+    """Return the wall with eight loads, each above or below the one before by e^low to e^high."""
+    steps = np.exp(rng.choice([-1, 1], 7) * rng.uniform(low, high, 7))
+    return replace(wall, loads=tuple(wall.loads[0] * np.cumprod([1.0, *steps])))
+
+
 def scene_wall(surface, loads):
     """Return a wall with the heights that the package makes from a table [surface]."""
     wall = hpc_gfmd.make_surface(**surface)
@@ -137,7 +162,6 @@ def keywords(wall):
         "E_star": wall.E_star,
         "physical_sizes": wall.physical_sizes,
         "boundary": ["free" if ends else "periodic" for ends in wall.free],
-        "fields": ["pressure"],
     }
 
 
@@ -167,6 +191,24 @@ def outcome(solution, contact, true, claimed=None, **columns):
         "iterations": solution.iterations,
         "fft_pairs": round(solution.fft_pairs, 2),
     } | columns
+
+
+def sweep_of(wall, hardness=None, attraction=None, **settings):
+    """Return a sweep of a wall on this process.
+
+    Parameters
+    ----------
+    wall : Wall
+        The wall.
+    hardness : float, optional
+        Hardness in the units of the wall.
+    attraction : hpc_gfmd.laws.Law, optional
+        Attraction in its units.
+    **settings
+        Keys of [solver] in a scene.
+    """
+    model = ContactModel(wall.E_star, body_of(Material(), wall.free), hardness, attraction)
+    return Sweep(partial(surface_of_wall, wall), SolverTable(**settings), model)
 
 
 def surface_of_wall(wall, dtype):

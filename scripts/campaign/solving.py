@@ -125,6 +125,7 @@ def _judged_targets(wall, way, contact, exact, hardness):
             hardness=hardness and hardness * unit,
             precision=way["precision"],
             accuracy=way["accuracy"],
+            fields=["pressure"],
             **keywords(wall),
             **{quantity: value},
         )
@@ -247,8 +248,9 @@ def _solutions(wall, contact, way, hardness):
         settings["max_iterations"] = MOST_ITERATIONS
     loads = [p_star * wall.E_star * contact.g_rms for p_star in wall.loads]
     if not way["low_memory"]:
+        fields = ["pressure"]
         yield from hpc_gfmd.solve(
-            wall.heights, loads, hardness=hardness, **keywords(wall), **settings
+            wall.heights, loads, hardness=hardness, fields=fields, **keywords(wall), **settings
         )
         return
     with tempfile.TemporaryDirectory() as folder:

@@ -6,18 +6,13 @@ tests that the claimed errors are those of this equilibrium.
 """
 
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
-from hpc_gfmd.bodies import body_of
-from hpc_gfmd.driver.contact_model import ContactModel
 from hpc_gfmd.driver.load import Load, Unfinished
-from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.laws import law_named, law_names
-from hpc_gfmd.scene import Material, SolverTable
 
-from .registry import FAMILIES, outcome, surface_of_wall
+from .registry import FAMILIES, outcome, surface_of_wall, sweep_of
 from .shapes import log_uniform
 
 EXACT_RESIDUAL = 1e-8  # of the truth
@@ -78,16 +73,6 @@ def law_of(wall, surface):
     return law_named(wall.attraction.law, work, reach)
 
 
-def sweep_of(wall, **settings):
-    """Return a sweep of a wall on this process."""
-    model = ContactModel(
-        wall.E_star,
-        body_of(Material(), wall.free),
-        attraction=law_of(wall, surface_of_wall(wall, float)),
-    )
-    return Sweep(partial(surface_of_wall, wall), SolverTable(**settings), model)
-
-
 def judged_rows(wall, way):
     """Yield (number of the load, columns) with the true and the claimed errors of each load.
 
@@ -98,8 +83,10 @@ def judged_rows(wall, way):
     way : dict
         Its `precision` and `accuracy` are those of the solver.
     """
-    sweep = sweep_of(wall, precision=way["precision"], accuracy=way["accuracy"])
-    exact = sweep_of(wall, precision="double", residual=EXACT_RESIDUAL)
+    attraction = law_of(wall, surface_of_wall(wall, float))
+    settings = {"precision": way["precision"], "accuracy": way["accuracy"]}
+    sweep = sweep_of(wall, attraction=attraction, **settings)
+    exact = sweep_of(wall, attraction=attraction, precision="double", residual=EXACT_RESIDUAL)
     unit = wall.E_star * sweep.surface.g_rms
     for k, p_star in enumerate(wall.loads):
         load = Load("pressure", float(p_star * unit))

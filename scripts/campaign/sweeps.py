@@ -58,6 +58,11 @@ def _random(rng, wall, count=12):
     )
 
 
+def _random_or_up_and_down(rng, names):
+    wall = FAMILIES[choice(rng, names)](rng)
+    return _random(rng, wall) if rng.random() < 0.5 else _up_and_down(rng, wall)
+
+
 @family
 def sweep_up_and_down(rng):
     return _up_and_down(rng, FAMILIES[choice(rng, SINGLE)](rng))
@@ -70,16 +75,16 @@ def sweep_random(rng):
 
 @family
 def sweep_rough(rng):
-    wall = FAMILIES[choice(rng, ("self_affine", "self_affine_smooth", "odd_grid", "roll_off"))](rng)
-    return _random(rng, wall) if rng.random() < 0.5 else _up_and_down(rng, wall)
+    return _random_or_up_and_down(
+        rng, ("self_affine", "self_affine_smooth", "odd_grid", "roll_off")
+    )
 
 
 @family
 def sweep_ordered(rng):
-    wall = FAMILIES[choice(rng, ("wave", "lattice", "replicas", "checkerboard", "lattice_noise"))](
-        rng
+    return _random_or_up_and_down(
+        rng, ("wave", "lattice", "replicas", "checkerboard", "lattice_noise")
     )
-    return _random(rng, wall) if rng.random() < 0.5 else _up_and_down(rng, wall)
 
 
 @family
