@@ -12,7 +12,6 @@ from . import (  # noqa: F401
     plastic_walls,
     sticky_gaps,
     sticky_walls,
-    sums_of_scans,
     target_walls,
 )
 from .registry import FAMILIES, make, outcome  # noqa: F401
