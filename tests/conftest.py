@@ -60,6 +60,8 @@ def pytest_collection_modifyitems(items):
     """
     functions = defaultdict(list)
     for item in items:
+        if item.get_closest_marker("alone") and not item.get_closest_marker("slow"):
+            raise pytest.UsageError(f"{item.nodeid}: marked alone, which only slow tests may be")
         if world().size > 2 and item.get_closest_marker("two_ranks"):
             item.add_marker(pytest.mark.slow)
         elif not item.get_closest_marker("slow"):

@@ -86,12 +86,13 @@ def test_single_precision(name):
 
 @every_solver
 def test_progress_and_pairs(name):
-    """Progress describes the state; an iteration costs at least one FFT pair."""
+    """Progress describes the state; an iteration costs one FFT pair, the first one exactly."""
     solver = started(name, problem_of())
+    pairs = [solver.pairs]
     for _ in range(20):
-        before = solver.pairs
         solver.step()
-        assert solver.pairs >= before + 1
+        pairs.append(solver.pairs)
+    assert pairs[1] - pairs[0] == 1 <= np.diff(pairs).min()
     progress = solver.progress()
     closed = (solver.state.g <= 0) & (solver.state.p > 0)
     assert progress.finite
@@ -102,14 +103,6 @@ def test_progress_and_pairs(name):
     if solver.state.p[~closed].any():  # a solver in pressures has none there
         rms = np.sqrt(np.sum(solver.state.p[~closed] ** 2) / solver.N) / solver.state.p0
         assert progress.residual == pytest.approx(rms, rel=0.5)
-
-
-@every_solver
-def test_pairs_per_iteration(name):
-    solver = started(name, problem_of())
-    before = solver.pairs
-    solver.step()
-    assert solver.pairs == before + 1
 
 
 @every_solver

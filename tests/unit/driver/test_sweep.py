@@ -1,11 +1,10 @@
-"""Loads of a sweep: starts from the previous load, from coarser grids, in full contact or from a
-stored gap."""
+"""Loads of a sweep: starts from the previous load, from coarser grids or from a stored gap."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import EXACT, field, random_heights, rough, sweep_of, sweep_over
+from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
 from refusal import refused
 
 from hpc_gfmd.driver import sweep as sweep_module
@@ -61,20 +60,6 @@ def test_loads_after_a_failure_start_afresh(table):
     alone = sweep_of(SURFACE, accuracy=1e-6).solve(fine)
     assert contact.certificate == alone.certificate
     assert (contact.iterations, contact.pairs) == (alone.iterations, alone.pairs)
-
-
-def test_full_contact_needs_no_iteration():
-    sweep = sweep_of(SURFACE, **EXACT)
-    closes = sweep.solve(Load("a_r", 1.0))
-    assert (closes.iterations, closes.contact_points) == (0, closes.N)
-    above = sweep.solve(1.1 * closes.p_mean)
-    assert (above.iterations, above.contact_points) == (0, above.N)
-    assert above.gap_mean == 0
-    below = sweep.solve(0.9 * closes.p_mean)
-    assert below.contact_points < below.N
-    # p = p0 + K u with u = -h: only the mean pressure differs
-    change = field(above, "pressure") - field(closes, "pressure")
-    assert np.ptp(change) < 1e-12 * above.p_mean
 
 
 @pytest.mark.parametrize("hardness", [None, 0.3])

@@ -54,23 +54,6 @@ def test_light_first_load_makes_its_surface_once(load):
     assert solved.numbers["gap_mean"] == in_double[0].gap_mean
 
 
-def test_solve_with_prescribed_loads():
-    """All kinds of loads give the same contact; a list gives Solutions."""
-    z = random_heights((48, 48), seed=2)
-    by_pressure = hpc_gfmd.solve(z, 0.3, boundary="free", E_star=2.0)
-    by_force = hpc_gfmd.solve(z, force=0.3, boundary="free", E_star=2.0)
-    assert by_force.a_r == by_pressure.a_r
-    for name in ("gap_mean", "a_r", "approach"):
-        value = by_pressure.value(name)
-        solutions = hpc_gfmd.solve(z, boundary="free", E_star=2.0, **{name: [value]})
-        assert len(solutions) == 1
-        if name == "a_r":
-            # a range of pressures gives the same 13 points
-            assert solutions[0].a_r == pytest.approx(value, abs=1.001 / z.size)
-        else:
-            assert solutions[0].pressure.mean() == pytest.approx(0.3, rel=2e-2)
-
-
 def test_units_of_a_height_map(tmp_path, cli):
     """Loads need units if the map has one; results are in SI units."""
     np.save("z.npy", random_heights((32, 32), seed=1))

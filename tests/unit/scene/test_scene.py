@@ -60,6 +60,41 @@ def test_single_loads_and_mean_pressures():
         assert scene_of(f"load.{load}").load.p0(E_star=2, g_rms=3) == pytest.approx(p0)
 
 
+ATTRACTION = "adhesion = {work = 0.1, range = 0.01}"
+ATTRACTED = rows("""
+p_star = [0.1, -0.1, 0]
+pressure = [0.1, -0.1]
+p_star = [0.1, -0.1, 0], branch = "retraction"
+approach = [0.1, 0, -0.1], branch = "retraction"
+""")
+
+
+def test_attraction_allows_loads_of_0_and_below():
+    for (load,) in ATTRACTED:
+        layer = "thickness = 0.1, nu1 = 0.3"
+        scene = scene_of(f"load = {{{load}}} ; material = {{{ATTRACTION}, {layer}}}")
+        assert min(scene.load.prescribed[1]) == -0.1
+        assert scene.material.adhesion.law == "exponential"
+
+
+def test_a_branch_is_another_scene():
+    approach, retraction = (
+        scene_of(f"load = {{p_star = 0.1, branch = {branch}}} ; material.{ATTRACTION}")
+        for branch in ('"approach"', '"retraction"')
+    )
+    assert approach.identity() != retraction.identity()
+
+
+def test_units_of_an_attraction():
+    scene = scene_of("""
+surface.physical_sizes = ["1 um", "1 um"]
+load.pressure = "1 MPa"
+material = {E_star = "1 GPa", adhesion = {work = "50 mJ/m2", range = "2 nm"}}
+""")
+    adhesion = scene.material.adhesion
+    assert (adhesion.work, adhesion.range) == pytest.approx((0.05, 2e-9))
+
+
 POINTS = rows("""
 {L_over_lam_l = 1.25, lam_l_over_lam_s = 8, lam_s_over_a = 2.5} | (25, 25)
 {L_over_lam_l = 3, lam_l_over_lam_s = 1.1, lam_s_over_a = 9.090909090909092} | (30, 30)

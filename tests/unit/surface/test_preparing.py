@@ -7,7 +7,7 @@ import pytest
 from contacts import random_heights
 
 from hpc_gfmd.scene import File
-from hpc_gfmd.surface.fill import Film, filled
+from hpc_gfmd.surface.fill import filled
 from hpc_gfmd.surface.prepare import prepare
 from hpc_gfmd.surface.topography import Topography, open_topography
 from hpc_gfmd.util.errors import SceneError
@@ -75,20 +75,8 @@ def test_holes_are_filled_in_the_memory_of_two_copies(share):
         assert peak < 2 * z.nbytes
 
 
-def test_a_film_is_a_symmetric_preconditioner():
-    random = np.random.default_rng(2)
-    film = Film(random.random((40, 61)) < 0.7)
-    sides = random.standard_normal((2, film.right.size)).astype(np.float32)
-    heights = []
-    for film.right[:] in sides:
-        assert film.lay() > 0
-        heights.append(film.heights[film.heights != 0])
-    assert heights[0] @ sides[1] == pytest.approx(heights[1] @ sides[0], rel=1e-4)
-
-
 def test_harmonic_functions_come_back(prepared):
-    """x y and planes are harmonic on the grid, too: holes inside of them are filled exactly, points
-    at the edge with means of their neighbours."""
+    """x y and planes are harmonic on the grid, too. Holes at edges are in test_scans.py."""
     z = 3 + 2 * X - Y + 4 * X * Y
     holes = z.copy()
     holes[3:9, 4:8] = np.nan
@@ -97,13 +85,8 @@ def test_harmonic_functions_come_back(prepared):
     assert np.allclose(heights, z, atol=1e-12)
     assert topography.filled == 26
     assert "26 points (19 %) filled" in steps_done
-    edge = z.copy()
-    edge[0, 0] = edge[13, 3] = np.nan
-    filled = prepared(edge, fill="harmonic")[0]
-    assert filled[0, 0] == pytest.approx((z[0, 1] + z[1, 0]) / 2)
-    assert filled[13, 3] == pytest.approx((z[13, 2] + z[13, 4] + z[12, 3]) / 3)
-    with pytest.raises(SceneError, match=r"found nan at \(0, 0\) in .*, 2 points without"):
-        prepared(edge)
+    with pytest.raises(SceneError, match=r"found nan at \(3, 4\) in .*, 26 points without"):
+        prepared(holes)
     with pytest.raises(SceneError, match="where some are known"):
         prepared(np.full(N, np.nan), fill="harmonic")
 

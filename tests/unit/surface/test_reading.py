@@ -1,6 +1,10 @@
 """Height maps of all formats: sizes and units come from the file or the scene, without guessing."""
 
+import bz2
+import gzip
+import zipfile
 from functools import partial
+from pathlib import Path
 
 import h5py
 import netcdf
@@ -84,6 +88,8 @@ BARE = {
     "b.dat": lambda p, z: np.savetxt(p, z, delimiter=";"),
     "commented.txt": lambda p, z: np.savetxt(p, z, header="my heights"),
 }
+BY_HAND = {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}
+SUFFIXES = ("", ".dat", ".hdf", ".txt", ".tif", ".nc", ".h5", ".map", ".x3p")
 
 
 def spec(path, **more):
@@ -134,6 +140,30 @@ def test_files_of_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
         assert read.unit == ("m" if "unit" in keys else "")
 
 
+def assert_read_under_any_name(name, keys):
+    """A file is read under names with other suffixes, and when it is compressed."""
+    data = Path(name).read_bytes()
+    with zipfile.ZipFile("z.zip", "w") as archive:
+        archive.writestr(f"folder/{name}", data)
+    others = {f"other{suffix}": data for suffix in SUFFIXES}
+    others |= {"z.gz": gzip.compress(data), "z.bz2": bz2.compress(data)}
+    others["z.zip"] = Path("z.zip").read_bytes()
+    for other_name, content in others.items():
+        Path(other_name).write_bytes(content)
+        read = open_topography(spec(other_name, **keys))
+        assert np.allclose(read.rows(0, 12), Z, rtol=1e-6, atol=1e-16), (name, other_name)
+
+
+def test_content_decides_the_format():
+    for name, write in FORMATS.items():
+        write(name, "nm")
+        assert_read_under_any_name(name, {})
+    pictures = {"z.tif": lambda path, z: tifffile.imwrite(path, z.T)}
+    for name, write in (BARE | pictures).items():
+        write(name, 1e9 * Z)
+        assert_read_under_any_name(name, BY_HAND)
+
+
 def test_scene_overrides_sizes_but_not_units(tmp_path):
     FORMATS["z.nc"](tmp_path / "z.nc", "nm")
     read = open_topography(spec("z.nc", physical_sizes=(10, 20)))
@@ -163,9 +193,6 @@ def test_bad_metadata_is_refused():
         np.savez("z.npz", **content)
         with refused(words):
             hpc_gfmd.read_surface("z.npz")
-
-
-BY_HAND = {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}
 
 
 STEPS = np.round(65535 * (Z - Z.min()) / np.ptp(Z)).astype(np.uint16)

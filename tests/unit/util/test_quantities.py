@@ -17,6 +17,10 @@ TEXTS = [
     ("50 GPa", "pressure", 5e10),
     ("20 N/mm^2", "pressure", 2e7),
     ("2 bar", "pressure", 2e5),
+    ("50 mJ/m2", "work", 0.05),
+    ("50 mJ/m^2", "work", 0.05),
+    ("0.05 N/m", "work", 0.05),
+    ("0.05 J/m**2", "work", 0.05),
 ]
 
 
