@@ -15,11 +15,9 @@ from .result import Result
 HEIGHTS = "heights"  # the same for all loads
 
 
-def export(result: Result, kind: str, path: str | os.PathLike | None, about: About) -> Path:
-    """Write a result in one of FORMATS, by default beside it (contact.KIND in memory); nothing is
-    left if that fails.
-    """
-    path = Path(path or Path(result.path or "contact").with_suffix(f".{kind}"))
+def export(result: Result, kind: str, path: str | os.PathLike, about: About) -> Path:
+    """Write a result in one of FORMATS; nothing is left if that fails."""
+    path = Path(path)
     itself = result.path and result.path.exists() and path.exists() and path.samefile(result.path)
     if itself or not path.parent.is_dir() or (path.exists() and not path.is_file()):
         raise SceneError(

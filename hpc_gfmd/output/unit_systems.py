@@ -1,8 +1,10 @@
 """Consistent systems of units, as finite-element programs need them: they convert nothing."""
 
+import re
+from math import log10
 from typing import NamedTuple
 
-from ..util.quantities import factor
+from ..util.quantities import ratio
 
 
 class System(NamedTuple):
@@ -29,16 +31,6 @@ def system_of(length: str, pressure: str) -> System | None:
 
 def converted(unit: str, old: System, new: System) -> tuple[float, str]:
     """Return one `unit`, such as "Pa/m", of the old system in the new: number and unit."""
-    size = 1.0
-    parts = []
-    for k, part in enumerate(unit.split("/")):
-        name, _, power = part.partition("^")
-        for dimension in ("length", "force", "pressure"):
-            if name == getattr(old, dimension):
-                name = getattr(new, dimension)
-                exponent = int(power or 1) * (-1 if k else 1)
-                ratio = factor(part.partition("^")[0], dimension) / factor(name, dimension)
-                size *= ratio**exponent
-                break
-        parts.append(f"{name}^{power}" if power else name)
-    return size, "/".join(parts)
+    names = dict(zip(old, new))
+    renamed = re.sub("[A-Za-z]+", lambda name: names.get(name[0], name[0]), unit)
+    return 10.0 ** round(log10(ratio(unit, renamed))), renamed

@@ -28,24 +28,13 @@ class Windows:
         starts, lo, hi = (np.asarray(bounds, np.int64) for bounds in (starts, lo, hi))
         n = int(starts[-1]) if n is None else n
         self.rank = rank
-        # this rank takes from all, and others take from it
-        ranks = np.arange(len(lo))
-        other_ranks = np.delete(ranks, rank)
-        taker = np.append(np.full(len(ranks), rank), other_ranks)
-        owner = np.append(ranks, np.full(len(other_ranks), rank))
-        pieces: list[list[int]] = []
-        for turn in range(int(lo.min()) // n, -(-int(hi.max()) // n)):
-            owner_start = starts[owner] + turn * n
-            owner_stop = starts[owner + 1] + turn * n
-            begin = np.maximum(owner_start, lo[taker])
-            length = np.minimum(owner_stop, hi[taker]) - begin
-            columns = [taker, owner, begin - lo[taker], begin - owner_start, length]
-            pieces += np.stack(columns, axis=1)[length > 0].tolist()
         # (rows of the window, own rows); by peer: rows of the window, own rows
         self.own: list[tuple[slice, slice]] = []
         self.take: Pieces = {}
         self.give: Pieces = {}
-        for to, source, at, own_at, count in sorted(pieces):  # in the order of the window
+        pieces = _common(rank, starts[:-1], starts[1:], lo, hi, n)
+        in_order_of_windows = sorted(pieces, key=lambda piece: (piece[1], piece[0], piece[3]))
+        for source, to, own_at, at, count in in_order_of_windows:
             in_window = slice(at, at + count)
             in_own = slice(own_at, own_at + count)
             if to == source:
@@ -88,22 +77,12 @@ class Overlaps:
 
     def __init__(self, rank: int, lo: ArrayLike, hi: ArrayLike, n: int):
         lo, hi = (np.asarray(bounds, np.int64) for bounds in (lo, hi))
-        ranks = np.arange(len(lo))
-        other_ranks = np.delete(ranks, rank)
-        giver = np.append(ranks, np.full(len(other_ranks), rank))
-        taker = np.append(np.full(len(ranks), rank), other_ranks)
-        pieces: list[list[int]] = []
-        turns = int(hi.max() - lo.min()) // n + 1
-        for turn in range(-turns, turns + 1):
-            begin = np.maximum(lo[giver] + turn * n, lo[taker])
-            length = np.minimum(hi[giver] + turn * n, hi[taker]) - begin
-            is_all_of_itself = (giver == taker) & (turn == 0)
-            columns = [giver, taker, begin - turn * n - lo[giver], begin - lo[taker], length]
-            pieces += np.stack(columns, axis=1)[(length > 0) & ~is_all_of_itself].tolist()
         self.give: Pieces = {}
         # in the order of ranks, then of rows of their windows
         self.parts: list[tuple[int, slice, slice]] = []
-        for source, to, at, to_at, count in sorted(pieces):
+        for source, to, at, to_at, count in _common(rank, lo, hi, lo, hi, n):
+            if source == to and at == to_at:  # all of itself
+                continue
             if to == rank:
                 self.parts.append((source, slice(at, at + count), slice(to_at, to_at + count)))
             else:
@@ -171,6 +150,28 @@ def add_all(
             begin = max(lo, start)
             end = min(hi, start + n)
             whole[:, begin - start : end - start] += part[:, begin - lo : end - lo]
+
+
+def _common(
+    rank: int, begin: np.ndarray, end: np.ndarray, lo: np.ndarray, hi: np.ndarray, n: int
+) -> list[list[int]]:
+    """List rows that ranges of ranks, begin to end, have in common with windows lo to hi on a ring
+    of n rows: (rank of the range, of the window, first row in it, in the window, rows) in ascending
+    order, those of this rank.
+    """
+    ranks = np.arange(len(lo))
+    other_ranks = np.delete(ranks, rank)
+    # this rank takes from all, and others take from it
+    owner = np.append(ranks, np.full(len(other_ranks), rank))
+    taker = np.append(np.full(len(ranks), rank), other_ranks)
+    pieces: list[list[int]] = []
+    turns = -(-int(max(hi.max() - begin.min(), end.max() - lo.min())) // n)
+    for shift in range(-turns * n, (turns + 1) * n, n):
+        first = np.maximum(begin[owner] + shift, lo[taker])
+        length = np.minimum(end[owner] + shift, hi[taker]) - first
+        columns = [owner, taker, first - shift - begin[owner], first - lo[taker], length]
+        pieces += np.stack(columns, axis=1)[length > 0].tolist()
+    return sorted(pieces)
 
 
 def _joined(pieces: list[slice]) -> list[slice]:

@@ -96,10 +96,9 @@ def _scales(quantity: PlottedQuantity, views: Sequence[View], key: str) -> list[
 
 
 def _axis_label(quantity: PlottedQuantity, scales: list[tuple[Scale, int]]) -> str:
-    if quantity.symbol:
-        return f"{quantity.name} {label(quantity.symbol, *scales)}"
-    units = " ".join(f"{scale.name}^{power}" for scale, power in scales if scale.name)
-    return f"{quantity.name} ({units})" if units else quantity.name
+    if not quantity.symbol:  # which has no unit either
+        return quantity.name
+    return f"{quantity.name} {label(quantity.symbol, *scales)}"
 
 
 class LoadAxis(NamedTuple):

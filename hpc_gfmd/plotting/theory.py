@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..output.result import Result
-from ..scene import Scene
+from ..scene import ArrayScene, Scene
 from ..theory import persson, yielding
 from ..theory.elastic import Hertz, HertzLine, Westergaard
 from ..theory.slope_profile import SlopeProfile
@@ -66,16 +66,16 @@ def _height_spectrum(result: Result) -> Spectrum | None:
 
 
 def scene_of(result: Result) -> Scene | None:
-    """Read the scene stored in a result; None if there is none, or if this version rejects it."""
+    """Return the scene of a result; None if there is none, or if this version rejects it."""
     try:
-        return Scene.from_toml(result.scene_toml)
+        return result.scene
     except SceneError:
         return None
 
 
 def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
     """Return the theory of a surface; None for measured ones, layers and adhesion."""
-    if scene is None or scene.material.thickness is not None:
+    if scene is None or isinstance(scene, ArrayScene) or scene.material.thickness is not None:
         return None
     if scene.material.adhesion is not None:  # these theories have none
         return None

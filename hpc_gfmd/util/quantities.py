@@ -90,6 +90,11 @@ def _in_si(unit: str, dimension: str) -> float | None:
     return None
 
 
+def ratio(unit: str, other: str) -> float:
+    """Return one unit, such as "Pa/m", over another one of the same dimension."""
+    return float(_registry().Quantity(1.0, unit).to(other).magnitude)
+
+
 @cache
 def _registry() -> Any:
     """Return pint's table of units, made at the first call, which takes a while."""

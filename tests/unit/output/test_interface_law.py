@@ -8,6 +8,7 @@ import pytest
 
 from hpc_gfmd.output.interface_law import InterfaceLaw, interpolate
 from hpc_gfmd.output.law_files import read_law, write_law
+from hpc_gfmd.output.unit_systems import SYSTEMS, converted
 from hpc_gfmd.util.errors import SceneError
 
 
@@ -130,6 +131,13 @@ def test_foreign_files_are_refused(tmp_path):
             read_law(path)
     with pytest.raises(SceneError, match=r"allowed: a \.csv"):
         read_law(tmp_path / "law.inp")
+
+
+def test_products_of_units_are_converted():
+    systems = [SYSTEMS[name] for name in ("SI", "um-uN-MPa")]
+    assert converted("Pa m", *systems) == (1.0, "MPa um")
+    assert converted("1/m^2", *systems) == (1e-12, "1/um^2")
+    assert converted("1", *systems) == (1.0, "1")
 
 
 def test_units_of_finite_element_programs(tmp_path):
