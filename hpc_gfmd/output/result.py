@@ -60,6 +60,14 @@ class Result:
         )
 
     @property
+    def readable_scene(self) -> Scene | None:
+        """The `scene`; None if there is none, or if this version rejects it."""
+        try:
+            return self.scene
+        except SceneError:
+            return None
+
+    @property
     def remarks(self) -> list[str]:
         """Lines to print beside any output: the notes, and a warning if the run is not finished."""
         unfinished = f"! the run is {self.status}: only its finished load steps are there"

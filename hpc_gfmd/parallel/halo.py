@@ -167,9 +167,9 @@ def _common(
     pieces: list[list[int]] = []
     turns = -(-int(max(hi.max() - begin.min(), end.max() - lo.min())) // n)
     for shift in range(-turns * n, (turns + 1) * n, n):
-        first = np.maximum(begin[owner] + shift, lo[taker])
-        length = np.minimum(end[owner] + shift, hi[taker]) - first
-        columns = [owner, taker, first - shift - begin[owner], first - lo[taker], length]
+        start = np.maximum(begin[owner] + shift, lo[taker])
+        length = np.minimum(end[owner] + shift, hi[taker]) - start
+        columns = [owner, taker, start - shift - begin[owner], start - lo[taker], length]
         pieces += np.stack(columns, axis=1)[length > 0].tolist()
     return sorted(pieces)
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from ..output.summary import converged, error_bars
 from ..util.errors import SceneError
-from .scales import Scale, finite, good, label
 from .style import THEORY, WARNING, Page, colour, log_axis, marker
-from .view import View
+from .view import Scale, View, finite, good, label
 
 DOUBTFUL = {"color": WARNING, "marker": "x", "label": "not converged"}
 BEYOND = 2  # factor by which the axis of loads goes on beyond the loads

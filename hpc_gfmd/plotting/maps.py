@@ -9,7 +9,6 @@ from matplotlib.colors import ListedColormap, Normalize, PowerNorm
 
 from ..output.fields import Slab
 from ..output.summary import converged, surface_line
-from .scales import Scale, Units, good
 from .style import (
     CONTACT_MAP,
     DPI,
@@ -23,7 +22,7 @@ from .style import (
     new_picture,
     styled,
 )
-from .view import View, window_of
+from .view import Scale, Units, View, good, window_of
 
 FIELDS = {  # symbol, colours
     "contact": ("", CONTACT_MAP),

@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -15,10 +16,10 @@ from ..scene.explain import suggested
 from ..util.errors import GfmdError, SceneError, reason
 from .curves import OVERVIEW, QUANTITIES, curves, is_tight
 from .maps import FIELDS, maps, title_of
-from .scales import good
 from .spectra import DISTRIBUTIONS, SPECTRA, distributions, spectra
 from .style import COLUMN_WIDTH, Page, Picture, legend, new_picture, save, styled
-from .view import View
+from .theory import theory_beside
+from .view import View, good
 
 MAX_STEPS = 4  # in maps, distributions and spectra unless `step` is given
 SUFFIXES = (".png", ".pdf", ".svg")
@@ -121,8 +122,9 @@ def plot(
         _refuse(what, results, step)
     kind = kind_of(what)
     with styled():
+        view_of = partial(View, window=window, dpi=dpi, dimensionless=dimensionless)
         views = [
-            View(shown, chosen_steps(shown, what, step), window, dpi, dimensionless, name, persson)
+            view_of(shown, chosen_steps(shown, what, step), theory_beside(shown, persson), name)
             for name, shown in results.items()
         ]
         panels = [

@@ -8,9 +8,8 @@ import numpy as np
 
 from ..output.result import Result
 from .maps import slabs
-from .scales import label
 from .style import THEORY, Page, colour, line, log_axis
-from .view import View
+from .view import View, label
 
 BINS = 48  # of pressure
 GAP_DECADES = 6  # of the gap in bins, below the largest one

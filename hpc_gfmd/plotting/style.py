@@ -16,7 +16,7 @@ from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from ..util.atomic import atomic_write
 from ..util.notebook import in_notebook
-from .scales import tex_number
+from .view import tex_number
 
 MARKERS = ("o", "s", "^", "D", "v", "P")
 LINES: tuple[Any, ...] = (

@@ -3,7 +3,6 @@ a scene's [surface]; p is a mean and x a local pressure, in the unit of the resu
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import inf, isfinite, pi
 from typing import Any
 
@@ -14,9 +13,8 @@ from ..scene import ArrayScene, Scene
 from ..theory import persson, yielding
 from ..theory.elastic import Hertz, HertzLine, Westergaard
 from ..theory.slope_profile import SlopeProfile
-from ..util.errors import SceneError
 from ..util.quantities import prefixed
-from .scales import Scale, good
+from .view import Scale, Theory, good
 
 PERSSON = (
     "Persson, J. Chem. Phys. 115 (2001) 3840, doi:10.1063/1.1388626",
@@ -26,28 +24,12 @@ PERSSON = (
 Spectrum = tuple[np.ndarray, np.ndarray]  # (q, C) at ascending q
 
 
-@dataclass(frozen=True)
-class Theory:
-    """A theory of a surface, in the units of the result. `curves`: functions of the mean pressure
-    by the numbers that they predict; density(x, p), of the local pressure x > 0, integrates to a_r;
-    `height`: the scale of heights, None for h_rms; `text`: the name without TeX.
-    """
-
-    name: str
-    curves: dict[str, Callable]
-    density: Callable | None = None
-    height: Scale | None = None
-    sources: tuple[str, ...] = ()
-    text: str = ""
-
-
 ROUNDING = 1e-12  # share of the largest power below which a spectrum is rounding errors
 
 
 def theory_beside(result: Result, of_maps: bool) -> Theory | None:
     """Return the theory of a result's surface, or None; of_maps: also of measured maps."""
-    scene = scene_of(result)
-    theory = theory_of(scene, result.surface)
+    theory = theory_of(result.readable_scene, result.surface)
     if theory is None and of_maps:
         theory = _persson_of_map(result.scene, result.surface, _height_spectrum(result))
     return theory
@@ -63,14 +45,6 @@ def _height_spectrum(result: Result) -> Spectrum | None:
             exists = power > ROUNDING * power.max()
             return q[exists], power[exists]
     return None
-
-
-def scene_of(result: Result) -> Scene | None:
-    """Return the scene of a result; None if there is none, or if this version rejects it."""
-    try:
-        return result.scene
-    except SceneError:
-        return None
 
 
 def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:

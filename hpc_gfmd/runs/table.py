@@ -8,7 +8,6 @@ from typing import Any
 from ..contact import all_numbers, observables_named
 from ..output.result import Result
 from ..output.summary import converged, estimate, is_number, pull_off_line, surface_line
-from ..util.errors import SceneError
 from ..util.quantities import in_units, prefixed
 
 NARROWEST = 9  # width of columns whose later rows are not known yet
@@ -128,10 +127,8 @@ def html_table(result: Result, across: bool = True) -> str:
 
 def named_observables(result: Result) -> tuple[str, ...]:
     """Return the observables that the scene of a result requests; () if its scene is not valid."""
-    try:
-        return tuple(result.scene.output.observables or ())
-    except SceneError:
-        return ()
+    scene = result.readable_scene
+    return tuple(scene.output.observables or ()) if scene else ()
 
 
 def cells(

@@ -90,9 +90,9 @@ def _in_si(unit: str, dimension: str) -> float | None:
     return None
 
 
-def ratio(unit: str, other: str) -> float:
+def ratio(unit: str, divisor: str) -> float:
     """Return one unit, such as "Pa/m", over another one of the same dimension."""
-    return float(_registry().Quantity(1.0, unit).to(other).magnitude)
+    return float(_registry().Quantity(1.0, unit).to(divisor).magnitude)
 
 
 @cache

@@ -5,7 +5,7 @@ import pytest
 from contacts import rough
 
 import hpc_gfmd
-from hpc_gfmd.plotting.view import View
+from hpc_gfmd.plotting.theory import theory_beside
 from hpc_gfmd.theory import persson
 
 
@@ -18,10 +18,12 @@ def test_a_map_has_the_theory_of_the_wall_that_it_shows():
     )
     spectrum = {"fields": (), "distributions": ["heights_spectrum"]}
     pressures = ["2 MPa", "20 MPa"]
-    known = View(hpc_gfmd.solve(wall, pressures, "1 GPa", **spectrum).result, [0, 1]).theory
+    known = theory_beside(
+        hpc_gfmd.solve(wall, pressures, "1 GPa", **spectrum).result, of_maps=False
+    )
     results = [hpc_gfmd.solve(scan, pressures, "1 GPa", **how).result for how in (spectrum, {})]
-    assert View(results[0], [0, 1]).theory is None
-    by_spectrum, by_slope = (View(result, [0, 1], persson=True).theory for result in results)
+    assert theory_beside(results[0], of_maps=False) is None
+    by_spectrum, by_slope = (theory_beside(result, of_maps=True) for result in results)
     p = np.array([2e6, 2e7])
     assert by_spectrum.curves["a_r"](p) == pytest.approx(known.curves["a_r"](p), rel=1e-3)
     assert by_spectrum.curves["gap_mean"](p) == pytest.approx(known.curves["gap_mean"](p), rel=0.05)
@@ -32,7 +34,6 @@ def test_a_map_has_the_theory_of_the_wall_that_it_shows():
 def test_a_picture_of_an_array_shows_its_material():
     heights = hpc_gfmd.make_surface(**rough((2, 8, 4))).heights
     solved = hpc_gfmd.solve(heights, p_star=0.1, hardness=0.5, boundary="periodic")
-    assert View(solved.result, [0]).hardness == 0.5
     assert solved.plot("pressure").axes[0].get_legend_handles_labels()[1][-1].startswith("yields")
 
 
