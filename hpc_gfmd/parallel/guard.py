@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from traceback import format_exception
 from typing import TypeVar
 
-from ..util.errors import GfmdError, is_mistake, reason
+from ..util.errors import GfmdError, ProgrammingError, is_mistake, reason
 from .comm import Comm
 
 T = TypeVar("T")
@@ -52,7 +52,7 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
     ------
     GfmdError
         On every rank if work raises, with the reason of any error but a programming error, which
-        is raised itself, by the others as RuntimeError.
+        is raised itself, on other ranks as ProgrammingError.
     """
     result = None
     with collective_errors(comm, doing):
@@ -63,7 +63,7 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
 
 def raise_on_all(comm: Comm, error: Exception | None) -> None:
     """Raise on every rank if any has an error: its own, or that of the lowest rank, as a GfmdError
-    or as a RuntimeError with its traceback. Collective; ranks wait asleep, as another may need
+    or as a ProgrammingError with its traceback. Collective; ranks wait asleep, as another may need
     their cores for long.
     """
     comm.wait_asleep()
@@ -77,4 +77,4 @@ def raise_on_all(comm: Comm, error: Exception | None) -> None:
         raise error
     if issubclass(kind, GfmdError):
         raise kind(text)
-    raise RuntimeError(f"{kind.__name__} on rank {failing_rank}\n{text}")
+    raise ProgrammingError(f"{kind.__name__} on rank {failing_rank}\n{text}")

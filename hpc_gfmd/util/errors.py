@@ -60,7 +60,11 @@ def one_line(text: str, longest: int = 200) -> str:
     return line if len(line) <= longest else f"{line[: longest - 60]} ... {line[-50:]}"
 
 
-MISTAKES = (AssertionError, AttributeError, NameError, TypeError)
+class ProgrammingError(Exception):
+    """A programming error on another rank; the message has its traceback."""
+
+
+MISTAKES = (AssertionError, AttributeError, NameError, TypeError, ProgrammingError)
 _PACKAGE = Path(__file__).parents[1]
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from hpc_gfmd.parallel.guard import collective_errors
-from hpc_gfmd.util.errors import GfmdError
+from hpc_gfmd.util.errors import GfmdError, ProgrammingError
 from hpc_gfmd.util.quantities import parse
 
 pytestmark = [pytest.mark.mpi, pytest.mark.two_ranks]
@@ -11,7 +11,7 @@ pytestmark = [pytest.mark.mpi, pytest.mark.two_ranks]
 
 def read_on_the_last_rank(comm, text):
     """Parse a text on one rank, in a block of which errors are raised on all."""
-    with collective_errors(comm, "reading"):
+    with collective_errors(comm, "outside"), collective_errors(comm, "reading"):
         if comm.rank == comm.size - 1:
             parse(text, "length")
 
@@ -20,7 +20,7 @@ def read_on_the_last_rank(comm, text):
     ("text", "on_the_rank", "on_others", "words"),
     [
         ("1", GfmdError, GfmdError, "reading: it is not a number with a unit"),
-        (None, TypeError, RuntimeError, "subscriptable"),
+        (None, TypeError, ProgrammingError, "subscriptable"),
     ],
 )
 def test_one_rank(text, on_the_rank, on_others, words, comm):
