@@ -46,6 +46,15 @@ def test_attraction_pulls_and_falls_with_the_gap(name):
     assert steepest(law) == pytest.approx(np.abs(law.curvature(g)).max())
 
 
+@pytest.mark.parametrize("wrong", ["traction", "curvature"])
+def test_a_law_that_attracts_more_farther_away_is_refused(wrong):
+    """Also where only one of its functions says so."""
+    law = made("exponential")
+    rises = {"traction": lambda g: g, "curvature": np.ones_like}[wrong]
+    kind = type("Rising", (type(law),), {wrong: staticmethod(rises)})
+    assert not is_concave(kind(WORK, RANGE))
+
+
 @every_law
 def test_derivatives_agree(name):
     """Integrals of derivatives are compared, since the curvature may jump; a jump within an
