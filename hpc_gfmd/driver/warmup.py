@@ -94,6 +94,8 @@ def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: 
         if solver is not None:
             solver.expected_area(Estimate(squares=1.0))
         observe(contact)
+        if solver is not None and solver.goes_ahead:
+            solver.step_ahead()
         if on_ranks:  # for the levels that only larger grids distribute
             grid = sweep.surface.grid
             Multilevel(grid, HALF_SPACE, sweep.dtype, grid.n[0], coarsest_points=0).sweep()
