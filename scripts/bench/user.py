@@ -84,7 +84,8 @@ def _rows(n, p_star, repeats, folder, watch):
         times[name].append(time.process_time() - begin)
         cores[name].append(watch.take()["core"])
     for name in calls:  # without the first round, which plans and compiles
-        seconds, core = times[name][1:], cores[name][1:]
+        seconds = times[name][1:]
+        core = cores[name][1:]
         row = {"what": name, "cpu_min": min(seconds), "cpu_median": float(np.median(seconds))}
         if all(core):
             row["over_core"] = ratio(seconds, core)
@@ -103,27 +104,29 @@ def _processes(repeats, folder):
         "first solve, nothing compiled": (FIRST_SOLVE, cold, 1),
     }
     for name, (code, environment, count) in jobs.items():
-        seconds, processor = [], []
+        seconds = []
+        cpu_seconds = []
         for _ in range(count + (count > 1)):
-            begin, before = time.perf_counter(), os.times()
+            begin = time.perf_counter()
+            cpu_begin = _cpu_seconds_of_children()
             subprocess.run(
                 [sys.executable, "-W", "ignore", "-c", code],
                 env=os.environ | {"OMP_NUM_THREADS": "1"} | environment,
                 check=True,
                 capture_output=True,
             )
-            after = os.times()
             seconds.append(time.perf_counter() - begin)
-            processor.append(
-                after.children_user
-                - before.children_user
-                + after.children_system
-                - before.children_system
-            )
-        last = slice(count > 1, None)
+            cpu_seconds.append(_cpu_seconds_of_children() - cpu_begin)
+        counted = slice(count > 1, None)  # without the first one, unless it is the only one
         yield {
             "what": name,
-            "cpu_min": min(processor[last]),
-            "cpu_median": float(np.median(processor[last])),
-            "seconds_min": min(seconds[last]),
+            "cpu_min": min(cpu_seconds[counted]),
+            "cpu_median": float(np.median(cpu_seconds[counted])),
+            "seconds_min": min(seconds[counted]),
         }
+
+
+def _cpu_seconds_of_children():
+    """Return the processor time of all processes that have ended."""
+    times = os.times()
+    return times.children_user + times.children_system

@@ -123,9 +123,11 @@ def judged_rows(wall, way, elements, times):
     unit = wall.E_star * Contact(wall.heights, wall.physical_sizes, wall.free).g_rms
     hardness = wall.hardness_star and wall.hardness_star * unit
     if wall.targets:
-        quantity, values = "gap_mean", np.array(wall.targets[1]) * wall.heights.std()
+        quantity = "gap_mean"
+        values = np.array(wall.targets[1]) * wall.heights.std()
     else:
-        quantity, values = "pressure", np.array(wall.loads) * unit
+        quantity = "pressure"
+        values = np.array(wall.loads) * unit
     keys = {"hardness": hardness, "history": True} if hardness else {}
     if elements:
         keys |= {"relaxation": elements, "time": times}

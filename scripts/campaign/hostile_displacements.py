@@ -140,10 +140,10 @@ def _largest_accepted(problem, levels, gap, change, accuracy):
         p = np.empty_like(g)
         with np.errstate(all="ignore"):
             state = State(problem.grid, g, p, problem.p0)
-            found = certify(problem, state, levels, np.float64, dual=True)
-        if max(found.errors) <= StoppingCriterion(accuracy).largest_error:
+            candidate = certify(problem, state, levels, np.float64, dual=True)
+        if max(candidate.errors) <= StoppingCriterion(accuracy).largest_error:
             low = middle
-            certificate = found
+            certificate = candidate
             touches = (g <= 0) & (p > 0)
             pressure = np.where(touches, p, 0.0)
             if problem.yields:

@@ -40,9 +40,9 @@ def judged_laws(wall, way):
         precision=way["precision"],
         **keys,
     )
-    last = len(law.pressure) - 1
+    intervals = len(law.pressure) - 1
     for number in range(BETWEEN):
-        k = min(int((number + 0.5) / BETWEEN * last), last - 1)
+        k = min(int((number + 0.5) / BETWEEN * intervals), intervals - 1)
         load = float(np.sqrt(law.pressure[k] * law.pressure[k + 1]))
         exact = hpc_gfmd.solve(
             wall.heights, load, observables=["stiffness"], fields=(), **keys, **EXACT

@@ -90,7 +90,8 @@ def least_stability(solution, law):
     K = row[apart[:, None, :, None], apart[None, :, None, :]].reshape(n * n, n * n)
     K = K[np.ix_(is_open, is_open)]
     gap = np.asarray(solution.gap, float).ravel()[is_open]
-    near, far = np.maximum(gap - DIFFERENCE * law.range, 0), gap + DIFFERENCE * law.range
+    near = np.maximum(gap - DIFFERENCE * law.range, 0)
+    far = gap + DIFFERENCE * law.range
     curvature = (law.traction(far) - law.traction(near)) / (far - near)
     fixed = null_space(np.ones((1, len(gap))))
     softened = fixed.T @ (K + np.diag(curvature)) @ fixed

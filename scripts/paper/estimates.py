@@ -370,7 +370,7 @@ def fit_observable(runs: Rows, observable: str, level: str, printed: bool = Fals
     if printed:
         return fit_at(1.0) if limit == 0 else fit_at(PAPER_ALPHA["c"], PAPER_ALPHA["f"])
     along = fit_runs(along_c(runs, level), observable, scatter, {"c": None})
-    alpha_c = along.alpha["c"]
+    alpha_c = along.parameters["alpha_c"]
     sigma = along.sigma["alpha_c"]
     if not (POWER_LAW[0] < alpha_c < POWER_LAW[1] and sigma < alpha_c):
         raise SceneError(f"alpha_c: found {alpha_c:.2f} ± {sigma:.2f}, allowed: a power law")
@@ -384,8 +384,7 @@ def fit_observable(runs: Rows, observable: str, level: str, printed: bool = Fals
 
 def parameters_of(fit: TfcFit) -> np.ndarray:
     """Return the fitted parameters in the order of fit.names."""
-    row = fit.row(0.0)
-    return np.array([row[name] for name in fit.names])
+    return np.array([fit.parameters[name] for name in fit.names])
 
 
 def local_exponents(runs: Rows, observable: str, level: str) -> Rows:

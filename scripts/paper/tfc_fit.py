@@ -96,21 +96,17 @@ class TfcFit:
 
     Attributes
     ----------
-    limit : float
-        Value in the TFC limit.
-    C, alpha : dict
-        Coefficients and exponents by term ("t", "f", "c"), of the fitted terms only.
+    parameters : dict
+        C_i, alpha_i ("t", "f", "c") and limit; C = 0 and alpha = 1 for terms that were not fitted.
     names : tuple of str
-        The fitted parameters ("limit", "C_t", ..., "alpha_c", ...) in the order of covariance.
+        The fitted parameters in the order of covariance.
     covariance : array, shape (parameters, parameters)
         Covariance of the fitted parameters.
     chi2, dof : float, int
         Weighted sum of squares and its degrees of freedom.
     """
 
-    limit: float
-    C: dict
-    alpha: dict
+    parameters: dict
     names: tuple
     covariance: np.ndarray
     chi2: float
@@ -132,15 +128,11 @@ class TfcFit:
     def row(self, hurst: float) -> dict:
         """Return the fit as a row of a coefficient table (see data/paper_tfc.json).
 
-        hurst: the Hurst exponent of the runs. Terms that were not fitted get C = 0, alpha = 1.
+        hurst: the Hurst exponent of the runs.
         """
-        numbers = {f"C_{i}": self.C.get(i, 0.0) for i in TERMS} | {
-            f"alpha_{i}": self.alpha.get(i, 1.0) for i in TERMS
-        }
         return {
             "hurst": hurst,
-            **numbers,
-            "limit": self.limit,
+            **self.parameters,
             "sigma": self.sigma,
             "names": list(self.names),
             "covariance": self.covariance.tolist(),
@@ -210,8 +202,6 @@ def fit_tfc(
         starts.append(x)
     bounds = np.array([ALPHA_RANGE if name in free else (-np.inf, np.inf) for name in names]).T
     best = least_squares(model, jacobian, starts, np.asarray(value), covariance, bounds)
-    row = law(best.x.tolist())
-    C = {i: row[f"C_{i}"] for i in eps}
-    exponents = {i: row[f"alpha_{i}"] for i in eps}
-    dof = len(value) - len(names)
-    return TfcFit(row["limit"], C, exponents, names, best.covariance, best.chi2, dof)
+    not_fitted = {f"C_{i}": 0.0 for i in TERMS} | {f"alpha_{i}": 1.0 for i in TERMS}
+    parameters = not_fitted | law(best.x.tolist())
+    return TfcFit(parameters, names, best.covariance, best.chi2, len(value) - len(names))

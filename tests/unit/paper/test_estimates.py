@@ -51,16 +51,17 @@ def test_scatter_is_estimated_and_shared_between_grids():
 
 def test_fit_recovers_planted_coefficients():
     fit = fit_observable(desk(), "kappa", "desk")
-    fitted = fit.row(0.8)
+    fitted = fit.parameters
     for name, sigma in fit.sigma.items():
         assert abs(fitted[name] - LAW[name]) < 4 * sigma + 1e-9, name
     assert 0 < fit.sigma["C_f"] < 0.5
     assert fit.sigma["alpha_c"] < 0.01  # from pairs of grids: the scatter of realisations cancels
     assert fit.sigma["C_c"] < 0.02
     gap = fit_observable(desk(scatter=0.01), "gap_over_h_rms", "desk")
-    assert (gap.limit, "limit" in gap.names) == (0, False)
-    assert abs(gap.C["f"] - GAP["C_f"] / (1 + LOW)) < 4 * gap.sigma["C_f"]
-    assert abs(gap.alpha["f"] - GAP["alpha_f"]) < 4 * gap.sigma["alpha_f"]
+    fitted = gap.parameters
+    assert (fitted["limit"], "limit" in gap.names) == (0, False)
+    assert abs(fitted["C_f"] - GAP["C_f"] / (1 + LOW)) < 4 * gap.sigma["C_f"]
+    assert abs(fitted["alpha_f"] - GAP["alpha_f"]) < 4 * gap.sigma["alpha_f"]
 
 
 @pytest.mark.parametrize(("alpha", "agrees"), [(1.0, True), (0.5, False)])
