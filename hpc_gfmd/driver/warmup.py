@@ -26,12 +26,12 @@ from .precision import first_of_scene
 from .sweep import Sweep
 
 TINY_ATTRACTION = 1e-3, 0.1  # work and range
-TINY = {
+TINY = {  # 128 x 128 points, from which on M has a gap mode
     "kind": "self-affine",
     "hurst": 0.8,
     "L_over_lam_l": 1,
     "lam_l_over_lam_s": 8,
-    "lam_s_over_a": 10,
+    "lam_s_over_a": 16,
     "seed": 1,
 }
 
