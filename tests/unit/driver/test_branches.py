@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import oracle
 import pytest
+from contacts import random_heights
 
 from hpc_gfmd.driver.branches import KICK_LENGTHS, SaddleGuard, goes_on
 from hpc_gfmd.driver.load import Load
@@ -91,3 +92,15 @@ def test_a_kick_lowers_the_energy(branch, monkeypatch):
     moved = solver.state.g.mean() - g.mean()
     assert solver.state.p0 == pytest.approx(p0 + 0.01 * moved, abs=1e-12)
     assert abs(moved) > 1e-4
+
+
+@pytest.mark.parametrize(("branch", "side"), [("approach", -1), ("retraction", 1)])
+def test_where_both_sides_lower_the_energy_the_branch_decides(branch, side, monkeypatch):
+    """Retraction opens the contact, approach closes it."""
+    heights = random_heights((8, 8))
+    law = law_named("exponential", 0.05, 0.4)
+    solver = Bpx(Problem(Grid((8, 8), (1.0, 1.0)), heights, 0.05, attraction=law))
+    guard = SaddleGuard(solver, branch)
+    monkeypatch.setattr(guard, "_work_along", lambda mode: (0.0, 1.0))
+    monkeypatch.setattr(guard, "_gain_along", lambda mode, length: -(length**2))
+    assert np.sign(guard._length_of_kick(heights)) == side
