@@ -102,8 +102,9 @@ def read_hdf5(contents: Contents, spec: Any) -> Map:
                 metadata, transposed=True, direction="along the first index in MATLAB"
             )
         # Chunks that the next rows need as well are kept: unpacking a large one takes long.
-        row_bytes = prod(data.shape[1:]) * data.dtype.itemsize
-        band = data.chunks[0] * row_bytes if data.chunks else 0
+        is_y_first = metadata.transposed if spec.first_axis is None else spec.first_axis == "y"
+        chunk_rows = data.chunks[int(is_y_first)] if data.chunks and data.ndim == 2 else 0
+        band = chunk_rows * data.nbytes // max(data.shape[int(is_y_first)], 1) if chunk_rows else 0
         folder = data.parent.name
         shape = data.shape
         dtype = data.dtype

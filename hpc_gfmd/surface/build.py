@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from math import prod
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,22 +12,29 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.interrupt import check
 from ..parallel.threads import PIECE_ROWS
-from ..scene import each, has_unit
+from ..scene import has_unit
 from ..util.errors import SceneError
-from .analytic import Rows, StoredRows, flat_rows, wave_rows
+from .analytic import Rows, StoredRows, collected, flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .fourier import fourier_modes
 from .height_distribution import with_distribution
 from .heights import LARGEST, checked, checksum, sums_of_rows
 from .modes import gap_of_modes
-from .prepare import asks_for_preparation, complete, notes_on, on_radius, prepare, prepared_size
+from .prepare import (
+    asks_for_preparation,
+    bytes_of_preparing,
+    complete,
+    notes_on,
+    on_radius,
+    prepare,
+    prepared_size,
+)
 from .selfaffine import self_affine_modes
 from .spectrum import spectrum_modes
 from .statistics import Roughness, rms, rms_between_neighbours
 from .surface import ByHeights, Precision, Surface, precision_of
 from .topography import Topography, open_topography
 
-ROWS = 64  # of a map that are read at a time
 MODES = {"self-affine": self_affine_modes, "spectrum": spectrum_modes, "fourier": fourier_modes}
 
 
@@ -38,8 +43,8 @@ class Size(NamedTuple):
 
     n: tuple[int, int]  # points along x and y
     lengths: tuple[float, ...]  # (L_x, L_y)
-    read: int = 0  # points of the maps that are read for it
-    file_bytes: int = 0  # of the largest file that is read
+    # bytes of the process that reads and prepares a map; 0 where each rank makes or reads its rows
+    preparing: float = 0.0
 
 
 def open_surface(spec: Any) -> tuple[Topography | None, Size]:
@@ -47,10 +52,9 @@ def open_surface(spec: Any) -> tuple[Topography | None, Size]:
     if spec.n is not None:
         return None, Size(tuple(spec.n), spec.physical_sizes)
     topography = open_topography(spec)
-    paths = [body.path for body in spec.bodies or ()] or each(spec.path)
-    read = sum(prod(scan.n) for scan in topography.bodies or (topography,) * len(paths))
-    file_bytes = max(Path(path).stat().st_size for path in paths)
-    return topography, Size(*prepared_size(topography, spec), read, file_bytes)
+    is_whole = topography.stored or asks_for_preparation(spec)
+    preparing = bytes_of_preparing(topography, spec) if is_whole else 0.0
+    return topography, Size(*prepared_size(topography, spec), preparing)
 
 
 def surface_size(spec: Any) -> Size:
@@ -144,7 +148,7 @@ def _with_distribution(spec: Any) -> Topography:
     made = _made_of_modes(alone, SerialComm(), np.dtype(np.float64), 1, low_memory=False)
     heights, line = with_distribution(-made.height_unit * made.gap, spec)
     unit = "m" if has_unit(spec.physical_sizes) else ""
-    topography = Topography(spec.n, spec.physical_sizes, lambda i, j: heights[i:j], unit)
+    topography = Topography(spec.n, spec.physical_sizes, StoredRows(heights), unit)
     return replace(topography, prepared=(*made.prepared, line)).on_form(spec.radii)
 
 
@@ -163,7 +167,7 @@ def _shared(spec: Any, comm: Any, opened: Callable[[], Topography | None]) -> To
     with collective_errors(comm, "reading the surface"):
         if comm.rank == 0:
             handed.append(opened() or open_topography(spec))
-            is_read_by_rows = handed[0].by_rows and not asks_for_preparation(spec)
+            is_read_by_rows = not handed[0].stored and not asks_for_preparation(spec)
     if comm.bcast(is_read_by_rows):
         return _read_by_rows(handed[0] if handed else None, spec, comm)
     return _on_rank_0(lambda: prepare(handed.pop(), spec), spec, comm)
@@ -224,7 +228,7 @@ def surface_of(
     cell = grid_of(n, sizes, comm, free, threads)
     grid = nominal_part(cell)
     with collective_errors(comm, "reading the surface"):
-        z = _local_rows(topography.rows, grid)
+        z = np.ascontiguousarray(collected(topography.rows, *grid.rows, grid.n[1]))
         lowest, top, sums = _range_of(z, grid, with_checksum)
     check(comm)
     made = partial(
@@ -278,19 +282,6 @@ def surface_of(
 
     grid.by_rows(divide)
     return replace(surface, h=h)
-
-
-def _local_rows(rows: Rows, grid: Grid) -> np.ndarray:
-    """Return the heights of this rank, read a few rows at a time; those in memory as they are (do
-    not change them).
-    """
-    start, stop = grid.rows
-    if isinstance(rows, StoredRows) and rows.z.dtype == np.float64:
-        return np.ascontiguousarray(rows(start, stop))
-    z = grid.empty(np.float64)
-    for i in range(start, stop, ROWS):
-        z[i - start : i - start + ROWS] = rows(i, min(i + ROWS, stop))
-    return z
 
 
 def _range_of(z: np.ndarray, grid: Grid, with_sums: bool) -> tuple[float, float, bytes]:

@@ -4,15 +4,21 @@ import bz2
 import gzip
 import lzma
 import re
+import shutil
+from collections.abc import Callable
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO, Any, BinaryIO
 from zipfile import ZipFile, is_zipfile
 
 HEAD_BYTES = 4096
 TEXT_BYTES = 2**20  # without control characters: a text
-UNPACKERS = {b"\x1f\x8b": gzip.decompress, b"BZh": bz2.decompress, b"\xfd7zXZ": lzma.decompress}
+UNPACKERS: dict[bytes, Callable[[Path], Any]] = {
+    b"\x1f\x8b": gzip.open,
+    b"BZh": bz2.open,
+    b"\xfd7zXZ": lzma.open,
+}
 SIGNATURES = {  # first bytes: format
     b"\x93NUMPY": "npy",
     b"CDF": "netcdf",
@@ -73,6 +79,11 @@ class Contents:
         """Read all bytes."""
         return self.path.read_bytes() if self.unpacked is None else self.unpacked
 
+    @property
+    def size(self) -> int:
+        """Number of bytes."""
+        return self.path.stat().st_size if self.unpacked is None else len(self.unpacked)
+
     def head(self) -> bytes:
         """Read the first HEAD_BYTES bytes, fewer if there are no more."""
         with self.open() as stream:
@@ -95,17 +106,26 @@ def contents_of(path: Path, member: str = "") -> Contents:
     """
     contents = Contents(path, name=path.name)
     head = contents.head()
-    for signature, unpack in UNPACKERS.items():
+    for signature, unpacked in UNPACKERS.items():
         if head.startswith(signature):
-            return Contents(path, unpack(path.read_bytes()), path.stem)
+            with unpacked(path) as stream:
+                return Contents(path, _all_of(stream), path.stem)
     if head.startswith(b"PK\x03\x04") and is_zipfile(path):
         with ZipFile(path) as archive:
             names = files_in(archive)
             if member in names and not CONTAINER & {*names}:
                 names = [member]
             if len(names) == 1 and not names[0].endswith(".npy"):
-                return Contents(path, archive.read(names[0]), names[0])
+                with archive.open(names[0]) as stream:
+                    return Contents(path, _all_of(stream), names[0])
     return contents
+
+
+def _all_of(stream: IO[bytes]) -> bytes:
+    """Read a stream to its end; `read` would hold the bytes twice."""
+    whole = BytesIO()
+    shutil.copyfileobj(stream, whole)
+    return whole.getvalue()
 
 
 def files_in(archive: ZipFile) -> list[str]:

@@ -58,7 +58,7 @@ def open_map(spec: Any) -> Map:
     _require_keys_apply(spec, kind)
     if kind not in ("text", "tiff", "png"):  # which look for them before they make heights
         metadata = replace(metadata, missing=missing_numbers(spec, path))
-    return heights, replace(metadata, reader=metadata.reader or kind)
+    return heights, replace(metadata, reader=metadata.reader or kind, file_bytes=contents.size)
 
 
 def opener_of(contents: Contents) -> tuple[str, Opener]:

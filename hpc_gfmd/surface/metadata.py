@@ -36,6 +36,7 @@ class Metadata:
     missing: tuple[float, ...] = ()  # numbers that stand for missing heights
     remarks: tuple[str, ...] = ()  # what the user should know of how the file was read, a line each
     reader: str = ""  # the format as which the file was read
+    file_bytes: int = 0  # of the file, unpacked
 
 
 Map = tuple[Any, Metadata]  # an array, or anything sliced like one, and what is said of it

@@ -1,5 +1,6 @@
 """Points x, y, z of a text on a grid, and coordinates in the first line and column of a matrix."""
 
+from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
@@ -24,10 +25,11 @@ def on_grid(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, tu
     """Put points on a regular grid: heights (n_x, n_y), nan where none, and the sizes (points times
     distance). ValueError if they are on none, fill less than 1/SPARSE or repeat.
     """
-    across = np.abs(np.ptp(y) * (x - x.min()) - np.ptp(x) * (y - y.min()))
-    across_falling = np.abs(np.ptp(y) * (x - x.min()) - np.ptp(x) * (y.max() - y))
-    if min(across.max(), across_falling.max()) <= UNEVEN * np.ptp(x) * np.ptp(y) / x.size:
+    along = np.ptp(y) * (x - x.min())
+    across = (np.abs(along - np.ptp(x) * part).max() for part in (y - y.min(), y.max() - y))
+    if min(across) <= UNEVEN * np.ptp(x) * np.ptp(y) / x.size:
         raise ValueError(ON_A_LINE)
+    del along
     i, n_x, a_x = _grid_lines(x)
     j, n_y, a_y = _grid_lines(y)
     if n_x * n_y > SPARSE * z.size:
@@ -65,17 +67,18 @@ def _grid_lines(coordinates: np.ndarray) -> tuple[np.ndarray, int, float]:
     return np.rint((coordinates - origin) / step).astype(np.intp), n, step
 
 
-def is_grid(table: np.ndarray) -> bool:
-    """Whether the first two columns of a table are x, y of every point of a grid, each once."""
-    x = table[:, 0]
-    y = table[:, 1]
+def whole_grid(table: np.ndarray) -> tuple[np.ndarray, tuple[float, float]] | None:
+    """Return `on_grid` of a table whose first columns are x, y and z of every point of a grid, each
+    once; None for any other.
+    """
+    x, y, z = table[:, :3].T
     if np.unique(x).size * np.unique(y).size != len(table):
-        return False
-    try:
-        heights, _ = on_grid(x, y, np.zeros(len(table)))
-    except ValueError:
-        return False
-    return bool(np.isfinite(heights).all())
+        return None
+    with suppress(ValueError):
+        heights, sizes = on_grid(x, y, z)
+        if heights.size == len(table):
+            return heights, sizes
+    return None
 
 
 # -- coordinates beside a matrix

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from io import BytesIO, TextIOWrapper
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,13 @@ from .metadata import Map, Metadata
 
 SAMPLE = 2**17  # bytes in which the layout is looked for
 END_OF_ZYGO = re.compile(rb"^\s*#\s*$", re.M)  # after the header, and after the points
+
+
+class Place(NamedTuple):
+    """A part of a text: where it begins, in bytes, and how many lines it has."""
+
+    start: int
+    lines: int
 
 
 class Block(NamedTuple):
@@ -41,9 +49,9 @@ def read(contents: Contents, spec: Any) -> Map:
         raise ValueError(
             "it has one number in a line, a profile, allowed: a matrix, or columns x, y and z"
         )
-    body = data[sum(map(len, sample[: layout.header_lines])) :]
+    start = sum(map(len, sample[: layout.header_lines]))
+    blocks = _blocks(data, start, lines[: layout.header_lines], layout)
     del data, stream  # a map may be large
-    blocks = _blocks(body, lines[: layout.header_lines], layout)
     title = [] if spec.skip_lines is not None else blocks[0].header
     names = header.columns_named(title, layout.mark, layout.columns)
     if len(blocks) > 1:
@@ -52,10 +60,10 @@ def read(contents: Contents, spec: Any) -> Map:
             return _one_of(blocks, layout, spec)
         blocks = [_joined(blocks)]  # a blank line ends each line of the grid
     if names is not None:
-        table = blocks[0].table
-        x, y, z = (table[:, place] for place in names.places)
-        z = _without_missing(z, header.missing_numbers(title), layout, spec)
-        return _points(x, y, z, names.units, names.unused)
+        x, y, z = (blocks[0].table[:, place] for place in names.places)
+        grid = points.on_grid(x, y, z)
+        missing = header.missing_numbers(title)
+        return _points(grid, missing, names.units, layout, spec, names.unused)
     return _matrix_or_points(blocks[0], layout, title, lines, spec)
 
 
@@ -105,38 +113,46 @@ def _as_utf8(data: bytes) -> bytes:
 # -- numbers
 
 
-def _blocks(body: bytes, title: list[str], layout: TextLayout) -> list[Block]:
+def _blocks(data: bytes, start: int, title: list[str], layout: TextLayout) -> list[Block]:
     """Return the blocks between blank lines or comments (one if all have one line)."""
     first_line = layout.header_lines + 1
-    table = _plain_table(body, layout)
+    stop = len(data)  # without blank lines at the end
+    while data[stop - 1 : stop] in (b"\n", b" "):
+        stop -= 1
+    whole = Place(start, data.count(b"\n", start, stop) + 1)
+    table = _plain_table(data, whole, layout)
     if table is not None:
         return [Block(first_line, title, table)]
     blocks = [
-        Block(number, comments, _table(text, number, layout))
-        for number, comments, text in _separated(body, title, first_line)
+        Block(number, comments, _table(data, place, number, layout))
+        for number, comments, place in _separated(data, start, title, first_line)
     ]
     has_doubled_line_ends = len(blocks) > 1 and all(len(block.table) == 1 for block in blocks)
     return [_joined(blocks)] if has_doubled_line_ends else blocks
 
 
 def _separated(
-    body: bytes, title: list[str], first_line: int
-) -> Iterator[tuple[int, list[str], bytes]]:
-    """Yield first line, header and text of each block."""
+    data: bytes, start: int, title: list[str], first_line: int
+) -> Iterator[tuple[int, list[str], Place]]:
+    """Yield first line, header and place of each block."""
     comments = list(title)
-    block: list[bytes] = []
-    for number, line in enumerate(BytesIO(body), first_line):
+    lines = 0  # of the present block, which begins at start
+    stream = BytesIO(data)
+    stream.seek(start)
+    number = first_line
+    for number, line in enumerate(stream, first_line):
         is_separator = is_comment(line.decode())
         if is_separator or not line.strip(b"\n "):
-            if block:
-                yield number - len(block), comments, b"".join(block)
-                block = []
+            if lines:
+                yield number - lines, comments, Place(start, lines)
                 comments = []
             comments += [line.decode()] * is_separator
+            start = stream.tell()
+            lines = 0
         else:
-            block.append(line)
-    if block:
-        yield number + 1 - len(block), comments, b"".join(block)
+            lines += 1
+    if lines:
+        yield number + 1 - lines, comments, Place(start, lines)
 
 
 def _joined(blocks: list[Block]) -> Block:
@@ -144,19 +160,28 @@ def _joined(blocks: list[Block]) -> Block:
     return blocks[0]._replace(table=np.concatenate([block.table for block in blocks]))
 
 
-def _plain_table(text: bytes, layout: TextLayout) -> np.ndarray | None:
-    """Return the numbers of a text by NumPy's parser; None if it refuses or skips a line, as where
-    a point is missing.
+def _lines(data: bytes, place: Place) -> Iterator[str]:
+    """Yield the lines of a part of a text, which is not copied."""
+    stream = BytesIO(data)
+    stream.seek(place.start)
+    return islice(TextIOWrapper(stream, "utf-8", newline="\n"), place.lines)
+
+
+def _plain_table(data: bytes, place: Place, layout: TextLayout) -> np.ndarray | None:
+    """Return the numbers of a part of a text by NumPy's parser; None if it refuses or skips a line,
+    as where a point is missing.
     """
+    lines = _lines(data, place)
     if layout.decimal == ",":
-        if layout.mark == "," or b"." in text:
+        if layout.mark == "," or data.find(b".", place.start) >= 0:
             return None
-        text = text.replace(b",", b".")
+        lines = (line.replace(",", ".") for line in lines)
     if layout.ended and layout.mark:
-        text = re.sub(rb"%b[ \t]*$" % layout.mark.encode(), b"", text, flags=re.M)
+        end = re.compile(rf"{layout.mark}[ \t]*$")
+        lines = (end.sub("", line) for line in lines)
     try:
         table = np.loadtxt(
-            TextIOWrapper(BytesIO(text), "utf-8", newline="\n"),
+            lines,
             delimiter=layout.mark,
             comments=None,
             quotechar='"' if layout.mark else None,
@@ -164,25 +189,18 @@ def _plain_table(text: bytes, layout: TextLayout) -> np.ndarray | None:
         )
     except ValueError:
         return None
-    stop = len(text)  # without blank lines at the end, and without a copy
-    while text[stop - 1 : stop] in (b"\n", b" "):
-        stop -= 1
-    lines = text.count(b"\n", 0, stop) + 1
-    return table if table.shape == (lines, layout.columns) else None
+    return table if table.shape == (place.lines, layout.columns) else None
 
 
-def _table(text: bytes, first_line: int, layout: TextLayout) -> np.ndarray:
+def _table(data: bytes, place: Place, first_line: int, layout: TextLayout) -> np.ndarray:
     """Return the numbers of a block, nan for missing ones; ValueError names a wrong line."""
-    table = _plain_table(text, layout)
+    table = _plain_table(data, place, layout)
     if table is not None:
         return table
-    is_complete = text.endswith(b"\n")
-    lines = text.decode().removesuffix("\n").split("\n")
-    table = np.empty((len(lines), layout.columns))
-    for row, line in enumerate(lines):
+    table = np.empty((place.lines, layout.columns))
+    for row, line in enumerate(_lines(data, place)):
         number = first_line + row
-        is_last = row + 1 == len(lines)
-        end = " (it is the last one: is the file complete?)" * (is_last and not is_complete)
+        end = " (it is the last one: is the file complete?)" * (not line.endswith("\n"))
         tokens = layout.tokens(line)
         if len(tokens) != layout.columns:
             raise ValueError(
@@ -268,22 +286,22 @@ def _matrix_or_points(
     """
     table = block.table
     missing = header.missing_numbers(title)
-    if title and (grid := header.of_esri(title, table)):
-        heights, metadata = grid
+    if title and (esri_grid := header.of_esri(title, table)):
+        heights, metadata = esri_grid
         return _without_missing(heights, missing, layout, spec), metadata
     if title and (titled_map := _of_instrument(block, layout, spec)):
         return titled_map
     is_told = spec.coordinates is not None
-    is_grid = not is_told and layout.columns >= 3 and points.is_grid(table)
-    if is_grid and layout.columns > 3:
+    grid = None if is_told or layout.columns < 3 else points.whole_grid(table)
+    if grid and layout.columns > 3:
         raise ValueError(
             f"its {layout.columns} columns are x, y, z and others, allowed: a header that names"
             " them, or columns x, y and z alone"
         )
     labels = points.labels_of(sample, layout)
-    if is_grid or (layout.columns == 3 and not is_told and not any(labels.signs)):
-        x, y, z = table.T
-        return _points(x, y, _without_missing(z, missing, layout, spec), header.units_of(title))
+    if grid or (layout.columns == 3 and not is_told and not any(labels.signs)):
+        grid = grid or points.on_grid(*table.T)
+        return _points(grid, missing, header.units_of(title), layout, spec)
     heights, of_lines, of_columns = points.without_coordinates(table, labels, spec.coordinates)
     if heights.shape[1] < 3 and of_columns is None and not is_told:
         raise ValueError("it has two columns, a profile, allowed: a matrix, or columns x, y and z")
@@ -292,19 +310,20 @@ def _matrix_or_points(
 
 
 def _points(
-    x: np.ndarray,
-    y: np.ndarray,
-    z: np.ndarray,
+    grid: tuple[np.ndarray, tuple[float, float]],
+    missing: tuple[float, ...],
     units: tuple[str, ...] | None,
+    layout: TextLayout,
+    spec: Any,
     unused: tuple[str, ...] = (),
 ) -> Map:
-    """Put points on a grid, with a remark on columns that are not used."""
-    heights, sizes = points.on_grid(x, y, z)
+    """Return points on a grid with metadata, and a remark on columns that are not used."""
+    heights, sizes = grid
     sizes_unit, unit_of_y, unit = units or (None, None, None)
     if sizes_unit != unit_of_y:
         raise ValueError(f"its axes are in different units, {sizes_unit} and {unit_of_y}")
     are = "columns {} are not used" if len(unused) > 1 else "column {} is not used"
-    return heights, Metadata(
+    return _without_missing(heights, missing, layout, spec), Metadata(
         sizes,
         sizes_unit,
         unit,

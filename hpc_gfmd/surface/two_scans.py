@@ -124,6 +124,8 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
         periodic=repeated or None,
         path=f"{lower.path} + {upper.path}",
         bodies=scans,
+        reading=max(lower.reading, lower.stored + upper.reading),
+        stored=lower.stored + upper.stored,
         notes=each_once([*lower.notes, *upper.notes]),
         filled=sum(round(scan.filled / np.prod(scan.n) * np.prod(n)) for scan in scans),
         prepared=(

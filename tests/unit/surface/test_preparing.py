@@ -7,6 +7,7 @@ import pytest
 from contacts import random_heights
 
 from hpc_gfmd.scene import File
+from hpc_gfmd.surface.analytic import StoredRows
 from hpc_gfmd.surface.fill import filled
 from hpc_gfmd.surface.prepare import prepare
 from hpc_gfmd.surface.topography import Topography, open_topography
@@ -61,8 +62,8 @@ def test_holes_are_filled_in_the_memory_of_two_copies(share):
         missing[[0, -1]] = missing[:, [0, -1]] = False
         holes = np.where(missing, np.nan, z)
         small, surface = (
-            Topography(rows.shape, SIZES, lambda start, stop, rows=rows: rows[start:stop])
-            for rows in (holes[:10].copy(), holes)
+            Topography(heights.shape, SIZES, StoredRows(heights))
+            for heights in (holes[:10].copy(), holes)
         )
         filled(small, "harmonic")  # loads kernels
         tracemalloc.start()
