@@ -21,10 +21,9 @@ from .contents import contents_of
 from .doubtful_numbers import slope_notes
 from .files import open_map
 from .map_units import missing_keys
-from .metadata import Metadata
 from .prepare import prepare
 from .quality import DOUBT, Edges, MapQuality, edges_of, outliers, per_cent, quality_of
-from .topography import Topography, open_topography, specs_of_bodies, topography_of
+from .topography import Topography, specs_of_bodies, sum_of_bodies, topography_of
 from .two_scans import name_of
 
 NEEDED = "TO BE GIVEN, the file does not say it"
@@ -56,7 +55,7 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
     result.about += _about(topography, missing, user_keys)
     by_file = result.from_file.keys() - user_keys.keys() - {"crop"}
     result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
-    _by_heights(result, make, user_keys, metadata)
+    _by_heights(result, make, user_keys, topography)
     _by_instrument(result, topography, spec)
     return result
 
@@ -72,7 +71,7 @@ def _opened(spec: File) -> tuple[Topography, list[str]]:
 
 
 def _of_two_scans(spec: File, make: Callable[[dict], File], user_keys: dict) -> Suggestion:
-    """Return the Suggestion for two scans, which are only opened if a key is missing."""
+    """Return the Suggestion for two scans, which are not added if a key is missing."""
     scans = [_opened(of_body) for of_body in specs_of_bodies(spec)]
     missing = list(dict.fromkeys(key for _, keys in scans for key in keys))
     units = {scan.unit for scan, _ in scans}
@@ -82,9 +81,8 @@ def _of_two_scans(spec: File, make: Callable[[dict], File], user_keys: dict) -> 
         result.about += [f"{name_of(scan)}: {line}" for line in _about(scan, keys, user_keys)]
     if missing:
         return result
-    topography = open_topography(spec)
     of_sum = Suggestion(result.values, why=result.why)
-    _by_heights(of_sum, make, user_keys, Metadata(periodic=topography.periodic))
+    _by_heights(of_sum, make, user_keys, sum_of_bodies([scan for scan, _ in scans], spec))
     result.open = of_sum.open
     result.about += [f"sum: {line}" for line in of_sum.about]
     return result
@@ -174,23 +172,22 @@ def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
 
 
 def _by_heights(
-    result: Suggestion, make: Callable[[dict], File], user_keys: dict, metadata: Metadata
+    result: Suggestion, make: Callable[[dict], File], user_keys: dict, topography: Topography
 ) -> None:
     """Suggest by the prepared heights what the user has not set: fill, detrend if mostly tilt, and
     boundary "mirror" if edges do not meet and neither period nor window is given.
     """
     values = result.values
     why = result.why
-    to_read: dict[str, object] = {"fill": "harmonic"}
+    filled: dict[str, object] = {"fill": "harmonic"}
     if result.missing:
-        to_read |= {"physical_sizes": metadata.sizes or (1.0, 1.0), "xy_unit": None, "crop": None}
+        filled["crop"] = None
     plain: dict[str, object] = {"radius": None, "refine": 1, "downsample": 1}
     if "boundary" not in user_keys:
         plain["boundary"] = "periodic"
 
     def prepared_map() -> tuple[Topography, MapQuality, Edges]:
-        spec = make(values | to_read | plain)
-        heights = prepare(open_topography(spec), spec, look=True)
+        heights = prepare(topography, make(values | filled | plain), look=True)
         quality = quality_of(heights.heights(), heights.sizes)
         return heights, quality, edges_of(heights.rows, heights.n)
 
@@ -219,7 +216,7 @@ def _by_heights(
         )
     result.about.append(f"done to it: {', '.join(heights.prepared) or 'nothing'}")
     is_open = not (
-        all(meeting.meet) or metadata.periodic or {"boundary", "window"} & user_keys.keys()
+        all(meeting.meet) or topography.periodic or {"boundary", "window"} & user_keys.keys()
     )
     if is_open:
         result.open = ["boundary"]
@@ -232,7 +229,8 @@ def _by_heights(
             " high pressure at its edges, and nothing beyond them that bears load",
             'boundary = "periodic" would repeat the map and press the step at its edges, too',
         ]
-    pressed = build_surface(make({"boundary": "periodic"} | values | to_read), SerialComm(), float)
+    spec = make({"boundary": "periodic"} | values | filled)
+    pressed = build_surface(spec, SerialComm(), float, opened=lambda: topography)
     scale, name = prefixed([pressed.h_rms], heights.unit)
     result.about.append(
         f"h_rms = {pressed.h_rms / scale:.4g} {name}".strip()

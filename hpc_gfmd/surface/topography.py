@@ -1,6 +1,6 @@
 """Heights with their sizes from any file; what the scene says has priority."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from math import inf
@@ -116,9 +116,15 @@ def open_topography(spec: Any) -> Topography:
     """Open the map of a scene, or the sum of two; heights are read later, by `rows`."""
     if spec.bodies:
         scans = [topography_of(*open_map(body), body) for body in specs_of_bodies(spec)]
-        return combined(placed((scans[0], scans[1]), spec), spec)
+        return sum_of_bodies(scans, spec)
     specs = [spec.model_copy(update={"path": path}) for path in each(spec.path)]
     return reduce(_sum, [topography_of(*open_map(one_map), one_map) for one_map in specs])
+
+
+def sum_of_bodies(scans: Sequence[Topography], spec: Any) -> Topography:
+    """Return the sum of two scans, unread."""
+    sum_of_two: Topography = combined(placed((scans[0], scans[1]), spec), spec)
+    return sum_of_two
 
 
 def specs_of_bodies(spec: Any) -> list[Any]:
