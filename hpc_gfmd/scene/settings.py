@@ -5,7 +5,6 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from .adhesion import Adhesion
 from .table import (
     DISTINCT,
     LIST,
@@ -28,6 +27,7 @@ from .table import (
     Text,
     Time,
     Whole,
+    Work,
     key,
     one_of,
 )
@@ -52,6 +52,23 @@ def _effective_modulus(solids: dict) -> float:
     if E1 is None or nu1 is None:
         return 1.0
     return 1 / ((1 - nu1**2) / E1 + (1 - (nu2 or 0.0) ** 2) / (E2 or inf))
+
+
+class Adhesion(Table):
+    """Attraction of the two surfaces across the gap.
+
+    The energy per area is -work where they touch, and rises to 0 over the range.
+    """
+
+    work: Work = key(
+        "work of adhesion per area, from contact to infinity", unit="work", example="50 mJ/m2"
+    )
+    range: Length = key("length over which the attraction falls", unit="length", example="2 nm")
+    law: Text = key(
+        "how it falls with the gap",
+        "exponential",
+        allowed='"exponential" or the name of another law',
+    )
 
 
 class Material(Table):

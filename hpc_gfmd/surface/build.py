@@ -29,8 +29,7 @@ from .prepare import (
     prepare,
     prepared_size,
 )
-from .selfaffine import self_affine_modes
-from .spectrum import spectrum_modes
+from .spectrum import self_affine_modes, spectrum_modes
 from .statistics import Roughness, rms, rms_between_neighbours
 from .surface import ByHeights, Precision, Surface, precision_of
 from .topography import Topography, open_topography

@@ -15,9 +15,7 @@ from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
 from .analytic import ROWS, StoredRows
 from .fill import filled
-from .form import form_notes
-from .quality import DOUBT, edges_of, quality_of, window_notes, without_outliers
-from .resample import resampled
+from .quality import DOUBT, edges_of, form_notes, quality_of, window_notes, without_outliers
 from .topography import Topography
 from .two_scans import combined, interpolated, name_of, spacings_text
 
@@ -26,6 +24,7 @@ COPIES = {"spikes": 3.2, "detrend": 2.3, "fill": 3.0, "flip": 2.1, "window": 3.2
 ADDED = 3.0  # likewise of the sum of two scans, beside these
 PIECE = 2.4  # of the rows that are read at a time, and
 PIECES = 1.06  # of those that are mirrored or transformed at a time, over the whole map
+LINES = 64  # transformed at a time
 IDLE = ("none", "keep", False)
 POWERS = {
     "mean": [(0, 0)],
@@ -101,7 +100,7 @@ def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography
     if has_window:
         topography = _windowed(topography, spec.window)
     if size != topography.n:
-        z = resampled(topography.heights(), size, spec.free)
+        z = _resampled(topography.heights(), size, spec.free)
         topography = topography.of_heights(z, f"resampled to {size[0]} x {size[1]} points")
     return on_radius(topography, spec)
 
@@ -266,3 +265,29 @@ def _windowed(topography: Topography, name: str) -> Topography:
     before, after = (quality_of(a_map.heights(), a_map.sizes) for a_map in (topography, windowed))
     notes = window_notes(before, after, kept, name)
     return replace(windowed, notes=(*windowed.notes, *notes))
+
+
+def _resampled(z: np.ndarray, n: tuple[int, int], free: tuple[bool, bool]) -> np.ndarray:
+    """Return heights resampled to n points along x and y by Fourier series, of cosines along free
+    axes, which have no jump at the edge; with fewer points the shortest waves are lost.
+    """
+    along_y = np.empty((z.shape[0], n[1]))
+    _transform_lines(z, along_y, free[1])
+    along_both = np.empty(n)
+    _transform_lines(along_y.T, along_both.T, free[0])
+    return along_both
+
+
+def _transform_lines(lines: np.ndarray, out: np.ndarray, is_free: bool) -> None:
+    """Resample lines to those of `out`, by cosines if their ends are free."""
+    from scipy.fft import dct, idct
+    from scipy.signal import resample
+
+    n = out.shape[1]
+    for i in range(0, len(lines), LINES):
+        piece = lines[i : i + LINES]
+        out[i : i + LINES] = (
+            idct(dct(piece, norm="forward"), n=n, norm="forward")
+            if is_free
+            else resample(piece, n, axis=1)
+        )

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..scene.surface import CHOICES_TEXT
 from ..util.errors import SurfaceWarning
+from ..util.quantities import prefixed
 from .analytic import Rows
 
 
@@ -27,6 +28,7 @@ class Doubt:
     # Distance of a height from the median of its neighbours over the difference of neighbours.
     outlying: float = 10.0
     faded: float = 0.1  # relative change of h_rms or g_rms by a window
+    curved: float = 3.0  # sag of a form over the rms of the rest
     # opposite edges that differ by less than this share of the heights are equal
     rounding: float = 1e-12
 
@@ -34,6 +36,7 @@ class Doubt:
 DOUBT = Doubt()
 GROUPS = 16  # places along x where three neighbouring rows are looked at
 LATTICE = 200  # points along an axis at which medians are taken, at most about twice as many
+FORM_POINTS = 512  # along an axis at which a form is fitted, at most about twice as many
 LAG = 16  # points over which the slope of a tilt is taken, at most
 
 
@@ -207,6 +210,43 @@ def _median(values: np.ndarray) -> float:
 def per_cent(share: float) -> str:
     """Return a share in per cent; 100 is all, and not 99.9."""
     return f"{100 * share:.0f}" if share < 0.99 or share >= 1 else f"{min(100 * share, 99.9):.1f}"
+
+
+def form_notes(
+    z: np.ndarray, sizes: tuple[float, ...], unit: str, axes: Sequence[int]
+) -> list[SurfaceWarning]:
+    """Return a note on a map that is curved along these axes: the sag, between middle and edges, of
+    the best paraboloid without a mixed term.
+    """
+    every_row, every_column = (max(n // FORM_POINTS, 1) for n in z.shape)
+    z = z[::every_row, ::every_column]
+    x, y = (np.linspace(-1, 1, n) for n in z.shape)
+    terms = [np.ones(z.shape), *np.meshgrid(x, y, indexing="ij")]
+    terms += [terms[1] ** 2, terms[2] ** 2]
+    design = np.stack([term.ravel() for term in terms], axis=1)
+    factors, *_ = np.linalg.lstsq(design, (z - z.mean()).ravel())
+    rest = np.std(z.ravel() - design @ factors)
+    sags = [-float(factors[3 + axis]) for axis in (0, 1)]  # > 0: the middle is high
+    curved = [axis for axis in axes if abs(sags[axis]) > DOUBT.curved * rest]
+    if not curved:
+        return []
+    bent = " and ".join(
+        f"along {'xy'[axis]} by {_length_text(abs(sags[axis]), unit)} (radius"
+        f" {_length_text(sizes[axis] ** 2 / (8 * abs(sags[axis])), unit)})"
+        for axis in curved
+    )
+    return [
+        SurfaceWarning(
+            f"the map is curved, {bent}, more than {DOUBT.curved:g} times the rms of the rest: a"
+            ' ball, lens or cylinder ends where the map ends, boundary = "free"; detrend ='
+            ' "curvature" with radius puts the roughness on an ideal form'
+        )
+    ]
+
+
+def _length_text(length: float, unit: str) -> str:
+    scale, name = prefixed([length], unit)
+    return f"{length / scale:.3g} {name}".strip()
 
 
 def window_notes(

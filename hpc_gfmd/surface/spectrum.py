@@ -1,4 +1,4 @@
-"""Random roughness with the spectrum of a table or of power laws."""
+"""Random roughness: self-affine, or with the spectrum of a table or of power laws."""
 
 import hashlib
 from functools import partial
@@ -13,12 +13,29 @@ from ..util.errors import SceneError
 from ..util.quantities import factor, prefixed
 from .directional_spectrum import DirectionalSpectrum, is_directional, read_directional
 from .modes import Modes
-from .selfaffine import NO_TABLE
 from .spectra import Spectrum, in_metres, of_isotropic_surface
 from .spectrum_table import read_spectrum_table
 from .statistics import Roughness
 
+NO_TABLE = (np.empty(0), np.empty(0), np.empty((0, 0)))
 NO_LAWS = (0.0, 0.0, *[np.empty(0)] * 4)
+
+
+def self_affine_modes(spec: Any, comm: Any) -> Modes:
+    """Return the modes of a scene's [surface] of kind "self-affine"."""
+    low = spec.L_over_lam_l
+    rolloff = low * spec.lam_l_over_lam_r
+    exponent = 1.0 + spec.hurst
+    laws = (
+        low,
+        low * spec.lam_l_over_lam_s,
+        np.array([0.0, rolloff]),
+        np.ones(2),
+        np.array([rolloff**-exponent, 1.0]),
+        np.array([0.0, exponent]),
+    )
+    law = (np.uint64(spec.seed), False, spec.aspect, spec.stretch, laws, NO_TABLE)
+    return Modes(partial(random_waves, n_y=spec.n[1], law=law))
 
 
 def spectrum_modes(spec: Any, comm: Any) -> Modes:

@@ -15,7 +15,6 @@ from ..util.errors import ReadingWarning, SceneError, one_line
 from ..util.lengths import length_factor
 from ..util.quantities import prefixed
 from . import instruments
-from .bandwidth import bandwidth_line
 from .build import build_surface
 from .contents import contents_of
 from .doubtful_numbers import slope_notes
@@ -29,6 +28,8 @@ from .two_scans import name_of
 NEEDED = "TO BE GIVEN, the file does not say it"
 NEEDED_OF_TWO = "TO BE GIVEN, here for both or in bodies for each; a file does not say it"
 SAYS_FILE = "as the file says"
+SHORT = 4  # points of a wave that counts as short
+MIDDLE = 1024  # points along an axis whose spectrum is looked at, in the middle of the map
 AGREE = 1e-3  # relative difference of sizes that are the same
 
 
@@ -238,9 +239,38 @@ def _by_heights(
     )
     if pressed.g_rms > 0 and not result.missing:
         z = heights.heights()
-        result.about += filter(None, [bandwidth_line(z, heights.sizes, heights.unit)])
+        result.about += filter(None, [_bandwidth_line(z, heights.sizes, heights.unit)])
     of_edges = meeting.notes((True, True)) if is_open else []  # which do not meet as mirror images
     known_lines = [*result.about, *map(str, of_edges)]
     result.about += [note for note in _not_on_reading(heights) if note not in known_lines]
     if not result.missing:
         result.about += map(str, slope_notes(pressed.g_rms, measured=True))
+
+
+def _bandwidth_line(z: np.ndarray, sizes: tuple[float, ...], unit: str) -> str:
+    """Return a line on the share of g_rms^2 at the shortest waves and what it does to a_r, which at
+    light loads goes as 1/g_rms. z: heights (n_x, n_y), periodic or not.
+    """
+    spacings = np.divide(sizes, z.shape)
+    starts = [max(n - MIDDLE, 0) // 2 for n in z.shape]
+    middle = z[tuple(slice(start, start + MIDDLE) for start in starts)]
+    window = np.multiply.outer(*(np.hanning(n + 2)[1:-1] for n in middle.shape))
+    power = np.abs(np.fft.fft2((middle - middle.mean()) * window)) ** 2
+    q_x, q_y = (np.fft.fftfreq(n, a) for n, a in zip(middle.shape, spacings))
+    squared = q_x[:, None] ** 2 + q_y**2
+    slopes = squared * power
+    if not slopes.any():
+        return ""
+    shortest = SHORT * max(spacings)
+    share = float(slopes[squared > 1 / shortest**2].sum() / slopes.sum())
+    scale, name = prefixed([shortest], unit)
+    text = (
+        f"waves shorter than {shortest / scale:.3g} {name}".strip()
+        + f" ({SHORT} points) have {100 * share:.2g} % of g_rms^2"
+    )
+    if share < 0.01:
+        return text
+    return (
+        f"{text}: without them a_r at light loads would be {(1 - share) ** -0.5:.2f} times as"
+        " large, and it is smaller by those that the instrument does not see"
+    )
