@@ -61,9 +61,8 @@ def read(contents: Contents, spec: Any) -> Map:
         blocks = [_joined(blocks)]  # a blank line ends each line of the grid
     if names is not None:
         x, y, z = (blocks[0].table[:, place] for place in names.places)
-        grid = points.on_grid(x, y, z)
-        missing = header.missing_numbers(title)
-        return _points(grid, missing, names.units, layout, spec, names.unused)
+        missing = _missing_numbers(title, layout, spec)
+        return _points(points.on_grid(x, y, z), missing, names.units, names.unused)
     return _matrix_or_points(blocks[0], layout, title, lines, spec)
 
 
@@ -217,13 +216,10 @@ def _table(data: bytes, place: Place, first_line: int, layout: TextLayout) -> np
     return table
 
 
-def _without_missing(
-    values: np.ndarray, missing: tuple[float, ...], layout: TextLayout, spec: Any
-) -> np.ndarray:
-    """Return values with nan in place of numbers that mark missing points, by header or scene."""
+def _missing_numbers(title: list[str], layout: TextLayout, spec: Any) -> tuple[float, ...]:
+    """Return the numbers that mark missing points, by header or scene."""
     of_scene = (text.replace(layout.decimal, ".") for text in spec.missing)
-    numbers = [*missing, *header.numbers_in(of_scene)]
-    return np.where(np.isin(values, numbers), np.nan, values) if numbers else values
+    return (*header.missing_numbers(title), *header.numbers_in(of_scene))
 
 
 # -- maps
@@ -274,8 +270,9 @@ def _of_instrument(block: Block, layout: TextLayout, spec: Any) -> Map | None:
     if metadata_and_factor is None:
         return None
     metadata, height_factor = metadata_and_factor
-    table = _without_missing(block.table, header.missing_numbers(title), layout, spec)
-    return (table if height_factor == 1.0 else table * height_factor), metadata
+    missing = tuple(height_factor * number for number in _missing_numbers(title, layout, spec))
+    table = block.table if height_factor == 1.0 else block.table * height_factor
+    return table, replace(metadata, missing=missing)
 
 
 def _matrix_or_points(
@@ -285,10 +282,10 @@ def _matrix_or_points(
     in this order, or raise ValueError.
     """
     table = block.table
-    missing = header.missing_numbers(title)
+    missing = _missing_numbers(title, layout, spec)
     if title and (esri_grid := header.of_esri(title, table)):
         heights, metadata = esri_grid
-        return _without_missing(heights, missing, layout, spec), metadata
+        return heights, replace(metadata, missing=missing)
     if title and (titled_map := _of_instrument(block, layout, spec)):
         return titled_map
     is_told = spec.coordinates is not None
@@ -301,20 +298,18 @@ def _matrix_or_points(
     labels = points.labels_of(sample, layout)
     if grid or (layout.columns == 3 and not is_told and not any(labels.signs)):
         grid = grid or points.on_grid(*table.T)
-        return _points(grid, missing, header.units_of(title), layout, spec)
+        return _points(grid, missing, header.units_of(title))
     heights, of_lines, of_columns = points.without_coordinates(table, labels, spec.coordinates)
     if heights.shape[1] < 3 and of_columns is None and not is_told:
         raise ValueError("it has two columns, a profile, allowed: a matrix, or columns x, y and z")
     metadata = _of_matrix(heights.shape, of_lines, of_columns, labels.corner, layout)
-    return _without_missing(heights, missing, layout, spec), metadata
+    return heights, replace(metadata, missing=missing)
 
 
 def _points(
     grid: tuple[np.ndarray, tuple[float, float]],
     missing: tuple[float, ...],
     units: tuple[str, ...] | None,
-    layout: TextLayout,
-    spec: Any,
     unused: tuple[str, ...] = (),
 ) -> Map:
     """Return points on a grid with metadata, and a remark on columns that are not used."""
@@ -323,11 +318,12 @@ def _points(
     if sizes_unit != unit_of_y:
         raise ValueError(f"its axes are in different units, {sizes_unit} and {unit_of_y}")
     are = "columns {} are not used" if len(unused) > 1 else "column {} is not used"
-    return _without_missing(heights, missing, layout, spec), Metadata(
+    return heights, Metadata(
         sizes,
         sizes_unit,
         unit,
         direction="along the column x",
+        missing=missing,
         remarks=(are.format(one_line(", ".join(unused))),) if unused else (),
         reader="x, y, z",
     )
