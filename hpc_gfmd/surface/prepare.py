@@ -22,8 +22,8 @@ from .two_scans import combined, interpolated, name_of, spacings_text
 # Copies of a map that a step holds at once, however many points are missing.
 COPIES = {"spikes": 3.2, "detrend": 2.3, "fill": 3.0, "flip": 2.1, "window": 3.2}
 ADDED = 3.0  # likewise of the sum of two scans, beside these
-PIECE = 2.4  # of the rows that are read at a time, and
-PIECES = 1.06  # of those that are mirrored or transformed at a time, over the whole map
+PIECE = 2.4  # of the rows that are read or mirrored at a time
+TRANSFORMED = 4.0  # of the lines that are transformed at a time
 LINES = 64  # transformed at a time
 IDLE = ("none", "keep", False)
 POWERS = {
@@ -50,19 +50,22 @@ def bytes_of_preparing(topography: Topography, spec: Any) -> float:
     """Return how many bytes reading and preparing a map take at most, on the process that does."""
     part = prod((_cropped(topography, spec) if spec.crop else topography).n)
     copies = max((COPIES[key] for key in COPIES if getattr(spec, key) not in IDLE), default=1.0)
-    numbers = [copies * part]
     mirrored = part * 2 ** sum(spec.mirrored)
+    before_mirroring = part if mirrored > part else 0
+    step = spec.downsample / spec.refine
+    width = topography.n[1] * (1 + spec.mirrored[1])
+    piece = PIECE * ROWS * width
+    numbers = [copies * part]
     if mirrored > part:
-        numbers.append(PIECES * (part + mirrored))
-    if spec.downsample != spec.refine:
-        step = spec.downsample / spec.refine
-        before = mirrored + (part if mirrored > part else 0)
-        numbers.append(PIECES * (before + (step + 1) * mirrored / step**2))
-    reading = topography.stored + 8 * (part + PIECE * ROWS * topography.n[1])
+        numbers.append(before_mirroring + mirrored + piece)
+    if step != 1:
+        lines = TRANSFORMED * LINES * width / min(step, 1)
+        numbers.append(before_mirroring + mirrored + (step + 1) * mirrored / step**2 + lines)
     if topography.bodies:
-        scans = sum(prod(scan.n) for scan in topography.bodies)
-        reading = topography.stored + 8 * (scans + ADDED * part)
-    return max(topography.reading, reading, 8 * max(numbers))
+        reading = sum(prod(scan.n) for scan in topography.bodies) + ADDED * part
+    else:
+        reading = part + piece
+    return max(topography.reading, topography.stored + 8 * reading, 8 * max(numbers))
 
 
 def asks_for_preparation(spec: Any) -> bool:
