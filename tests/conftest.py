@@ -14,7 +14,7 @@ from types import SimpleNamespace
 
 import mpi_harness
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from hpc_gfmd.commands.cli import main
 from hpc_gfmd.parallel.grid import _kept
@@ -22,7 +22,9 @@ from hpc_gfmd.parallel.world import world
 from hpc_gfmd.util.caches import cache_folder
 
 # the same examples in every run; HYPOTHESIS_PROFILE=default tries random ones
-settings.register_profile("repeatable", derandomize=True)
+slow_examples = [HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
+settings.register_profile("default", deadline=None, suppress_health_check=slow_examples)
+settings.register_profile("repeatable", settings.get_profile("default"), derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 

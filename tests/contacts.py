@@ -7,15 +7,19 @@ import hpc_gfmd
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.contact_model import ContactModel
 from hpc_gfmd.driver.load import Load
+from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import loads
-from hpc_gfmd.scene import Material, Scene, SolverTable
+from hpc_gfmd.scene import File, Material, Scene, SolverTable
+from hpc_gfmd.solvers import solver_class
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.build import surface_of
-from hpc_gfmd.surface.topography import Topography
+from hpc_gfmd.surface.topography import Topography, open_topography
 
 EXACT = {"residual": 1e-11, "precision": "double"}
+WAVE = {"kind": "wave", "amplitude": 0.1, "n": [8, 8]}
+WAVE_SCENE = tomli_w.dumps({"surface": WAVE, "load": {"pressure": 0.1}})  # solved at once
 
 
 def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **keys):
@@ -129,6 +133,13 @@ def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):
     return sweep.solve(p_star * E_star * sweep.surface.g_rms)
 
 
+def started_cold(name, problem, options=()):
+    """The solver `name` at its start without any knowledge."""
+    solver = solver_class(name)(problem, dict(options))
+    solver.start(cold_gap(problem))
+    return solver
+
+
 def field(step, name):
     """A copy of a field of a solved load, which the next load does not overwrite."""
     return np.array(step.field(name))
@@ -138,6 +149,11 @@ def heights_of(surface):
     """Heights (peaks up) of a [surface] table, in the units of the scene."""
     made = sweep_of(surface).surface
     return -made.h * made.height_unit
+
+
+def opened(path, **keys):
+    """The Topography of a height map; keys: of [surface]."""
+    return open_topography(File(kind="file", path=str(path), **keys))
 
 
 def random_heights(n, seed=0, correlated=True):

@@ -104,6 +104,31 @@ def compliance(contact, sizes=(1.0, 1.0), E_star=1.0):
     return float(np.linalg.solve(K, np.ones(len(K))).sum() / contact.size)
 
 
+def solve_history(heights, loads, times, element=(0.0, 1.0), hardness=None, E_star=1.0):
+    """Yield (Oracle, dents after it) of loads that follow each other by steps in time.
+
+    element: (share r, time tau) of a Maxwell element, whose memory q of the displacement u relaxes.
+    hardness: None without dents, by which the wall is lower in later steps; the gap of an Oracle is
+    negative where it makes some.
+    """
+    z = np.asarray(heights, dtype=float)
+    r, tau = element
+    u = q = dents = np.zeros_like(z)
+    for load, dt in zip(loads, np.diff(times, prepend=times[0])):
+        e = np.exp(-dt / tau)
+        f = (1 - e) * tau / dt if dt else 1.0
+        k = 1 - r + r * f
+        wall = z - dents + r * (e * q - f * u) / k
+        if hardness is None:
+            exact = solve(wall, load, E_star * k)
+        else:
+            exact = solve_yielding(wall, load, hardness, E_star * k)
+        dents = dents + np.maximum(-exact.gap, 0)
+        moved = np.maximum(exact.gap, 0) + z - z.max() - dents - u
+        u, q = u + moved, e * q + f * moved
+        yield exact, dents
+
+
 def solve_yielding(heights, pressure, hardness, E_star=1.0, sizes=(1.0, 1.0), steps=200_000):
     """The Oracle where pressures are at most the hardness. Negative gaps are dents.
 

@@ -1,16 +1,24 @@
 """Small result files for tests: running, interrupted and complete ones."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import hpc_gfmd
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 
 N = (6, 5)
 FIELD = np.arange(30.0).reshape(N)
-HEAD = {"scene": "title = 'x'", "identity": "abc", "versions": {"numpy": "2"}, "setup_seconds": 0.1}
+SCENE = Path(hpc_gfmd.__file__).parent / "scenes" / "wave.toml"
+HEAD = {
+    "scene": SCENE.read_text(),
+    "identity": "abc",
+    "versions": {"numpy": "2"},
+    "setup_seconds": 0.1,
+}
 SURFACE = {"n": list(N), "physical_sizes": [1.0, 2.0], "h_rms": 0.5, "g_rms": 1.0}
 STEP = {
     "p": 0.1,
@@ -31,11 +39,11 @@ UNFINISHED = {  # attributes of a load
 }
 
 
-def begin(path, identity="abc", **options):
+def begin(path, identity="abc", surface=SURFACE, head=HEAD, **options):
     """The RunFile of a new or interrupted run; options: of RunFile."""
-    return RunFile(
-        SerialComm(), path, N, (0, N[0]), HEAD | {"identity": identity}, SURFACE, **options
-    )
+    n = tuple(surface["n"])
+    head = head | {"identity": identity}
+    return RunFile(SerialComm(), path, n, (0, n[0]), head, surface, **options)
 
 
 def interrupted(path, steps=3, **options):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import oracle
 import pytest
-from contacts import random_heights, rough, sweep_of
+from contacts import random_heights, rough, started_cold, sweep_of
 
 import hpc_gfmd
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
@@ -13,13 +13,12 @@ from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver.drive import drive
-from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.operators.state import State
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.solvers import solver_class, solver_names
+from hpc_gfmd.solvers import solver_names
 from hpc_gfmd.solvers.bpx import Bpx
 from hpc_gfmd.surface.cell import grid_of
 
@@ -33,10 +32,7 @@ def surface():
 
 def started(surface, p_star, name="bpx", hardness=np.inf):
     """A solver at its cold start."""
-    problem = Problem(surface.grid, surface.h, p_star, hardness=hardness)
-    solver = solver_class(name)(problem)
-    solver.start(cold_gap(problem))
-    return solver
+    return started_cold(name, Problem(surface.grid, surface.h, p_star, hardness=hardness))
 
 
 def in_contact(g, p):

@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import EXACT, field, relative, rough, solve_scene, sweep_of
+from contacts import EXACT, field, relative, rough, solve_scene, started_cold, sweep_of
 
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.driver.drive import drive
-from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.solvers import solver_class, solver_names
 from hpc_gfmd.util.errors import SceneError
@@ -23,13 +22,6 @@ KINDS = [*[(name, {}) for name in solver_names()], ("gfmd", {"damping": 1.0})]
 def problem_of(p0=0.1):
     made = sweep_of(SURFACE).surface
     return Problem(made.grid, made.h, p0)
-
-
-def started(name, problem, options=()):
-    """A solver at its cold start."""
-    solver = solver_class(name)(problem, dict(options))
-    solver.start(cold_gap(problem))
-    return solver
 
 
 @pytest.mark.parametrize(("name", "options"), KINDS)
@@ -87,7 +79,7 @@ def test_single_precision(name):
 @every_solver
 def test_progress_and_pairs(name):
     """Progress describes the state; an iteration costs one FFT pair, the first one exactly."""
-    solver = started(name, problem_of())
+    solver = started_cold(name, problem_of())
     pairs = [solver.pairs]
     for _ in range(20):
         solver.step()
@@ -108,7 +100,7 @@ def test_progress_and_pairs(name):
 @every_solver
 def test_pressure_follows_the_gap_over_many_steps(name):
     """After 50 steps p is still p0 + K (g - h)."""
-    solver = started(name, problem_of())
+    solver = started_cold(name, problem_of())
     for _ in range(50):
         solver.step()
     followed = solver.state.p.copy()
@@ -121,7 +113,7 @@ def test_pressure_follows_the_gap_over_many_steps(name):
 def test_a_step_ahead_leaves_the_pressure_to_a_certificate(hardness):
     """Where the line search does not shorten the step, both ways reach the same state."""
     problem = replace(problem_of(), hardness=hardness)
-    ahead, whole = (started("bpx", problem) for _ in range(2))
+    ahead, whole = (started_cold("bpx", problem) for _ in range(2))
     compared = 0
     for _ in range(8):
         ahead.step_ahead()
@@ -140,7 +132,7 @@ def test_a_step_ahead_leaves_the_pressure_to_a_certificate(hardness):
 
 @every_solver
 def test_continuation_at_another_load(name):
-    solver = started(name, problem_of(0.1))
+    solver = started_cold(name, problem_of(0.1))
     target = StoppingCriterion(residual=1e-8)
     assert drive(solver, target)[0] == "converged"
     solver.continue_at(0.12)
@@ -156,7 +148,7 @@ def test_continuation_at_another_load(name):
 def test_reasons_to_stop(name):
     """max_iterations, an interrupt and NaN; never converged."""
     problem = problem_of()
-    solver = started(name, problem)
+    solver = started_cold(name, problem)
     assert drive(solver, StoppingCriterion(residual=1e-13, max_iterations=3))[0] == "max_iterations"
     assert solver.iterations == 3
     assert (
@@ -190,5 +182,5 @@ def test_options_are_checked():
 
 def test_gfmd_converges_at_its_stability_limit():
     """With little damping, the fastest mode still decays."""
-    solver = started("gfmd", problem_of(0.353), {"dt": 1.0})
+    solver = started_cold("gfmd", problem_of(0.353), {"dt": 1.0})
     assert drive(solver, StoppingCriterion(residual=1e-6, max_iterations=200))[0] == "converged"

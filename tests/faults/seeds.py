@@ -7,16 +7,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import result_files
-from result_files import FIELD, N
+from result_files import FIELD, SCENE, N, begin
 from scipy.io import netcdf_file
 
-import hpc_gfmd
 from hpc_gfmd.output.read import CHECKPOINT
-from hpc_gfmd.output.record import RunFile
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.theory import tfc
 
-SCENE = Path(hpc_gfmd.__file__).parent / "scenes" / "wave.toml"
 SURFACE = result_files.SURFACE | {"kind": "wave", "seed": -1, "eps_t": 0.5}
 STEP = result_files.STEP | {"gap_mean": 0.1}
 
@@ -86,26 +82,16 @@ def _netcdf(folder):
 def _results(folder):
     paths = []
     for name, compressed in (("result", False), ("compressed", True)):
-        path = folder / f"{name}.h5"
-        head = {
-            "scene": SCENE.read_text(),
-            "identity": "abc",
-            "versions": {"numpy": "2"},
-            "setup_seconds": 0.1,
-        }
-        with RunFile(SerialComm(), path, N, (0, N[0]), head, SURFACE, compressed=compressed) as run:
-            for index in range(2):
-                run.write_step(
-                    index, STEP | {"status": ("converged", "stagnated")[index]}, {"gap": FIELD}
-                )
+        paths.append(folder / f"{name}.h5")
+        with begin(paths[-1], surface=SURFACE, compressed=compressed) as run:
+            for index, status in enumerate(("converged", "stagnated")):
+                run.write_step(index, STEP | {"status": status}, {"gap": FIELD})
             run.finish("stagnated")
-        paths.append(path)
     return paths
 
 
 def _checkpoints(folder):
-    head = {"identity": "abc"}
-    with RunFile(SerialComm(), folder / "out.h5", N, (0, N[0]), head, SURFACE) as run:
+    with begin(folder / "out.h5", surface=SURFACE) as run:
         run.write_state(CHECKPOINT, 0, {"gap": FIELD}, result_files.UNFINISHED)
     return [run.partial / "checkpoint.h5"]
 

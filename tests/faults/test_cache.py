@@ -10,8 +10,9 @@ import tempfile
 
 import numba
 import pytest
+from contacts import WAVE_SCENE
 from faults.test_readers import EDITS, changed
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from mpi_harness import environment, python
 from numba.core import event
 
@@ -134,9 +135,7 @@ def test_changed_bytes_are_detected(tmp_path):
     assert kept(path) == original
     assert kept(path, "something else") is None
 
-    @settings(
-        deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture]
-    )
+    @settings(max_examples=300)
     @given(EDITS)
     def check(edits):
         path.write_bytes(changed(data, edits))
@@ -213,9 +212,7 @@ def test_numba_without_compilation_is_refused(tmp_path):
     completed = python(None, ["-c", SOLVE], environment(NUMBA_DISABLE_JIT="1"))
     assert completed.returncode == 1
     assert "NUMBA_DISABLE_JIT" in completed.stderr.splitlines()[-1]
-    (tmp_path / "scene.toml").write_text(
-        "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
-    )
+    (tmp_path / "scene.toml").write_text(WAVE_SCENE)
     words = ["-m", "hpc_gfmd", "run", "scene.toml"]
     completed = python(None, words, environment(NUMBA_DISABLE_JIT="1"), tmp_path)
     assert (completed.returncode, completed.stderr.count("\n")) == (2, 1), completed.stderr

@@ -4,10 +4,11 @@ import subprocess
 import sys
 
 import pytest
+from contacts import WAVE_SCENE
 from mpi_harness import call, environment, missing
 from scene_tables import rows
 
-SCENE = "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
+SCENE = WAVE_SCENE
 
 
 def without(folder, *modules):

@@ -6,15 +6,12 @@ from pathlib import Path
 import pytest
 from faults.readers import READERS, outcome, outcome_apart
 from faults.seeds import seeds
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 REGRESSIONS = sorted(p for p in (Path(__file__).parent / "regressions").glob("*/*") if p.is_file())
 # Numbers of changed files. Other targets, which are all HDF5, are read in a child process each.
 EXAMPLES = {"scene": 150, "npy": 100, "coefficients": 60}
-quick = settings(
-    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
-)
 EDITS = st.lists(
     st.tuples(
         st.sampled_from(["set", "cut", "insert", "copy"]),
@@ -47,7 +44,7 @@ def test_changed_bytes(target, tmp_path):
     originals = [path.read_bytes() for path in seeds(target, tmp_path)]
     path = tmp_path / f"any{READERS[target][1]}"
 
-    @settings(quick, max_examples=EXAMPLES.get(target, 40))
+    @settings(max_examples=EXAMPLES.get(target, 40))
     @given(st.sampled_from(originals), EDITS)
     def check(data, edits):
         path.write_bytes(changed(data, edits))

@@ -17,7 +17,7 @@ def test_any_mask(comm, monkeypatch, points):
     ranks."""
     monkeypatch.setattr(clusters, "STRIP_POINTS", points)
 
-    @settings(max_examples=60, derandomize=True, deadline=None, database=None)
+    @settings(max_examples=60, derandomize=True, database=None)
     @given(mask=masks, periodic=st.tuples(st.booleans(), st.booleans()), corners=st.booleans())
     def check(mask, periodic, corners):
         assert clusters_of(comm, mask, periodic, corners) == walk(mask, periodic, corners)

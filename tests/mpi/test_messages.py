@@ -1,13 +1,11 @@
-"""Ranks send the planned bytes in an iteration; reductions and memory checks."""
+"""Reductions over ranks, and the check of the memory of each machine."""
 
 import os
 
 import pytest
-from contacts import rough, sweep_of
-from decomposition import Share, stages
-from mpi.nodes import CountingComm, sent_in_a_step
+from contacts import rough
+from decomposition import stages
 
-from hpc_gfmd.operators import hierarchy
 from hpc_gfmd.runs import capacity
 from hpc_gfmd.runs.capacity import require_memory
 from hpc_gfmd.scene import Scene
@@ -15,21 +13,6 @@ from hpc_gfmd.surface import surface_size
 from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
-
-
-@pytest.mark.parametrize(("n_over", "boundary"), [((2, 32, 4), "periodic"), ((1, 31, 2.0), "free")])
-def test_counted(comm, n_over, boundary, monkeypatch):
-    monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 64)
-    monkeypatch.setattr(hierarchy, "UNGATHERED_POINTS", 64)
-    monkeypatch.setattr(hierarchy, "FEWEST_ROWS", 4)
-    if comm.size == 1:
-        return
-    solver = {"accuracy": 1e-2, "precision": "single"}
-    sweep = sweep_of(rough(n_over, boundary=boundary), comm=CountingComm(comm.mpi), **solver)
-    sweep.solve(0.1 * sweep.surface.g_rms)
-    share = Share(sweep.surface.grid, sweep.dtype)
-    assert sent_in_a_step(sweep) == share.traffic
-    assert all(sent > 0 for sent in (*share.level_traffic, *share.reduction_traffic))
 
 
 def test_reduce(comm):

@@ -11,6 +11,7 @@ from decomposition import Share, busiest, share_of, transpose_traffic
 from mpi.nodes import NODES, PER_NODE, on_pretended_nodes, sent_in_a_step
 from transfers import assert_same_on_slabs
 
+from hpc_gfmd.operators import hierarchy
 from hpc_gfmd.parallel import shared
 from hpc_gfmd.parallel.comm import MpiComm
 from hpc_gfmd.parallel.grid import Grid
@@ -34,14 +35,20 @@ def test_transforms(machines):
 
 
 @on_nodes
-def test_messages_are_those_between_nodes(machines, nodes):
-    """An iteration sends the planned messages; transposes within a node need none."""
-    sweep = sweep_of(rough((2, 32, 4)), comm=machines, accuracy=1e-2, precision="single")
-    sweep.solve(0.1 * sweep.surface.g_rms)
+def test_messages_are_those_between_nodes(machines, nodes, monkeypatch):
+    """An iteration sends the planned messages, also of levels that are spread over ranks;
+    transposes within a node need none."""
     if machines.size == 1:
         return
-    share = Share(sweep.surface.grid, sweep.dtype)
-    assert sent_in_a_step(sweep) == share.traffic
+    monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 64)
+    monkeypatch.setattr(hierarchy, "UNGATHERED_POINTS", 64)
+    monkeypatch.setattr(hierarchy, "FEWEST_ROWS", 4)
+    for surface in (rough((1, 31, 2.0), boundary="free"), rough((2, 32, 4))):
+        sweep = sweep_of(surface, comm=machines, accuracy=1e-2, precision="single")
+        sweep.solve(0.1 * sweep.surface.g_rms)
+        share = Share(sweep.surface.grid, sweep.dtype)
+        assert sent_in_a_step(sweep) == share.traffic
+        assert all(sent > 0 for sent in (*share.level_traffic, *share.reduction_traffic))
     is_one_node = len(machines.node_ranks) == machines.size
     assert (transpose_traffic(share.layout) == (0, 0)) == is_one_node
     if nodes in PER_NODE:

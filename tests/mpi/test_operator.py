@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from transfers import assert_same_on_slabs
+from transfers import SIZES, assert_same_on_slabs
 
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.bodies.layer import Layer
@@ -14,20 +14,7 @@ pytestmark = pytest.mark.mpi
 
 # Thin grids (ranks without rows), grids of few columns (ranks without columns), odd, prime and
 # rectangular ones, and some of more than one pass.
-GRIDS = [
-    (1, 1),
-    (1, 8),
-    (8, 1),
-    (3, 16),
-    (5, 12),
-    (7, 11),
-    (13, 1),
-    (16, 2),
-    (31, 37),
-    (40, 64),
-    (64, 40),
-    (200, 301),
-]
+GRIDS = [*SIZES, (31, 37), (64, 40), (200, 301)]
 
 
 @pytest.mark.parametrize("n", GRIDS)

@@ -4,13 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from contacts import WAVE_SCENE
 from scene_tables import rows
 
 pytestmark = [pytest.mark.mpi, pytest.mark.two_ranks]
-GOOD = """
-surface = {kind = "wave", amplitude = 0.1, n = [8, 8]}
-load.pressure = 0.1
-"""
 BAD = rows("""
 load.presure=1 | pressure
 output.path=missing/a.h5 | output.path: the folder missing does not exist
@@ -26,7 +23,7 @@ surface={kind = "file", physical_sizes = [1, 1], path = "missing.npy"} | (8, 7)
 def scene(comm, shared_path):
     """Write a scene and several bad height maps to the current folder."""
     if comm.rank == 0:
-        Path("scene.toml").write_text(GOOD)
+        Path("scene.toml").write_text(WAVE_SCENE)
         z = np.zeros((9, 8))
         z[-1, -1] = 1.7e308
         np.save("missing.npy", z)

@@ -3,8 +3,7 @@
 import adhesive
 import numpy as np
 import pytest
-from adhesive_forms import AdhesiveWave, JohnsonKendallRoberts, maugis_pull_off
-from scipy.optimize import minimize
+from adhesive_forms import maugis_pull_off
 
 import hpc_gfmd
 
@@ -15,24 +14,17 @@ LAWS = ["exponential", "cubic", "dugdale"]
 
 
 def ball_retracted(tabor, forces, law="exponential", n=128, **more):
-    """Retract a ball of radius 1 in a cell of size 1; return the solutions and the JKR theory.
-
-    Forces are over pi w R. The JKR contact without load has a radius of 0.12.
-    """
-    w = 0.12**3 * 2 / (9 * np.pi)
-    reach = np.cbrt(w**2) / tabor
-    ball = hpc_gfmd.make_surface(
-        "sphere", radius=1.0, n=(n, n), physical_sizes=(1.0, 1.0), boundary="free"
-    )
+    """Retract a ball by forces over pi w R; return the solutions and the JKR theory."""
+    ball, adhesion, jkr = adhesive.ball(n, tabor)
     solutions = hpc_gfmd.solve(
         ball,
-        force=[float(force * np.pi * w) for force in forces],
-        adhesion={"work": w, "range": float(reach), "law": law},
+        force=[float(force * np.pi * jkr.w) for force in forces],
+        adhesion=adhesion | {"law": law},
         branch="retraction",
         fields=(),
         **more,
     )
-    return solutions, JohnsonKendallRoberts(1.0, w)
+    return solutions, jkr
 
 
 @pytest.mark.parametrize(
@@ -105,32 +97,15 @@ def test_contact_of_a_ball_with_a_short_range_is_that_of_jkr():
         assert radius == pytest.approx(jkr.radius(force * np.pi * jkr.w), rel=0.05)
 
 
-def wave_retracted(loads, ell, n=512):
-    """Retract Johnson's wave with alpha = 0.3; return the solutions and the exact theory.
-
-    Loads are over p_full; ell is the process zone over the wavelength.
-    """
-    work = (0.3 * np.pi) ** 2 / 2
-    z = np.cos(2 * np.pi * np.arange(n) / n)[:, None]
-    adhesion = {"work": work, "range": float(np.sqrt(ell * work))}
-    solutions = hpc_gfmd.solve(
-        z,
-        [float(load * np.pi) for load in loads],
-        physical_sizes=(1.0, 1.0 / n),
-        adhesion=adhesion,
-        branch="retraction",
-        fields=(),
-    )
-    return solutions, AdhesiveWave(work)
-
-
 @pytest.mark.parametrize(
     ("ell", "holds", "comes_off", "area"),
     [(0.08, 0.090, 0.092, 0.448), (0.02, 0.0940, 0.0955, 0.476)],
 )
 def test_wave(ell, holds, comes_off, area):
     """The shorter the range, the closer the results are to Johnson's."""
-    solutions, exact = wave_retracted([0.2, 0.0, -0.06, -0.08, -holds, -comes_off], ell)
+    wave, exact = adhesive.wave(ell, 512)
+    loads = np.pi * np.array([0.2, 0.0, -0.06, -0.08, -holds, -comes_off])
+    solutions = hpc_gfmd.solve(**wave, pressure=loads.tolist(), branch="retraction")
     assert [solution.status for solution in solutions] == ["converged"] * 5 + ["separated"]
     assert solutions[0].a_r == pytest.approx(area, abs=0.006)
     assert solutions[0].a_r < exact.a_r(0.2 * exact.p_full)
@@ -146,33 +121,13 @@ def test_energy_is_that_of_a_minimiser(law):
     wall = adhesive.wall(points=4, waves=4)
     adhesion = adhesive.attraction(0.3, 0.1, law)
     solution = hpc_gfmd.solve(wall, p_star=adhesive.LOAD, adhesion=adhesion, residual=1e-9)
-    n = wall.heights.shape
-    q = [2 * np.pi * np.fft.fftfreq(k, 8.0 / k) for k in n]
-    K = np.hypot(q[0][:, None], q[1]) / 2
-    h = wall.heights.max() - wall.heights
-    from hpc_gfmd.laws import law_named
-
-    phi = law_named(law, adhesion["work"], adhesion["range"])
-
-    def energy(g):
-        g = g.reshape(n)
-        w = np.fft.ifft2(K * np.fft.fft2(g - h)).real
-        total = 0.5 * np.mean((g - h) * w) + adhesive.LOAD * np.mean(g) + np.mean(phi.energy(g))
-        return total, ((w + adhesive.LOAD + phi.traction(g)) / g.size).ravel()
-
-    start = solution.gap.ravel() + 1e-3
-    best = minimize(
-        lambda g: [1e4 * x for x in energy(g)],
-        start,
-        jac=True,
-        method="L-BFGS-B",
-        bounds=[(0, None)] * start.size,
-        options={"maxiter": 20000, "maxfun": 40000, "ftol": 1e-16, "gtol": 1e-12, "maxcor": 30},
-    )
-    solver_energy, _ = energy(solution.gap.ravel())
-    assert solver_energy == pytest.approx(best.fun / 1e4, rel=1e-8)
-    assert solver_energy <= best.fun / 1e4 + 1e-10 * abs(solver_energy)
-    assert solution.a_r == pytest.approx(np.mean(best.x <= 0), abs=2 / start.size)
+    energy = adhesive.energy_of(wall, adhesion, adhesive.LOAD)
+    best_gap = adhesive.minimum_near(solution.gap + 1e-3, energy)
+    best, _ = energy(best_gap)
+    solver_energy, _ = energy(solution.gap)
+    assert solver_energy == pytest.approx(best, rel=1e-8)
+    assert solver_energy <= best + 1e-10 * abs(solver_energy)
+    assert solution.a_r == pytest.approx(np.mean(best_gap <= 0), abs=2 / best_gap.size)
 
 
 # -- branches

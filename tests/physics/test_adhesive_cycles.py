@@ -3,13 +3,10 @@
 import adhesive
 import numpy as np
 import pytest
-from adhesive_forms import JohnsonKendallRoberts
 from oracle import solve as exact_contact
 from refusal import refused
-from scipy.optimize import minimize
 
 import hpc_gfmd
-from hpc_gfmd.laws import law_named
 
 STICKY = adhesive.attraction(1.0, 0.1)
 
@@ -17,24 +14,6 @@ STICKY = adhesive.attraction(1.0, 0.1)
 def solve(surface, loads, adhesion, **how):
     how = {"history": True, "fields": ()} | how
     return hpc_gfmd.solve(surface, loads, adhesion=adhesion, **how)
-
-
-def minimum_near(g, h, load, phi, size):
-    """The gap of the nearest minimum of the energy that descent from a gap comes to."""
-    q_x, q_y = (2 * np.pi * np.fft.fftfreq(n, size / n) for n in h.shape)
-    K = np.hypot(q_x[:, None], q_y) / 2
-
-    def energy(flat):
-        gap = flat.reshape(h.shape)
-        w = np.fft.ifft2(K * np.fft.fft2(gap - h)).real
-        total = 0.5 * np.sum((gap - h) * w) + load * np.sum(gap) + np.sum(phi.energy(gap))
-        return total, (w + load + phi.traction(gap)).ravel()
-
-    options = {"maxiter": 20000, "maxfun": 40000, "ftol": 1e-16, "gtol": 1e-11, "maxcor": 30}
-    best = minimize(
-        energy, g.ravel(), jac=True, method="L-BFGS-B", bounds=[(0, None)] * g.size, options=options
-    )
-    return best.x.reshape(h.shape)
 
 
 def test_descent_from_the_state_before():
@@ -45,7 +24,6 @@ def test_descent_from_the_state_before():
     surface = adhesive.wall(6, 2, 1)
     h = surface.heights.max() - surface.heights
     adhesion = adhesive.attraction(2.0, 0.1)
-    phi = law_named("exponential", adhesion["work"], adhesion["range"])
     up = [0.02, 0.05, 0.1, 0.2, 0.3]
     loads = [*up, 0.2, 0.1, 0.05, 0.1, 0.05, 0.02, -0.2, 0.02, 0.05]
     cycle = solve(surface, loads, adhesion, residual=1e-8, fields=["gap"])
@@ -56,7 +34,7 @@ def test_descent_from_the_state_before():
             assert solution.status == "separated"
             g = touching
             continue
-        g = minimum_near(g, h, load, phi, surface.sizes[0])
+        g = adhesive.minimum_near(g, adhesive.energy_of(surface, adhesion, load))
         assert solution.status == "converged"
         assert np.abs(solution.gap - g).max() < 1e-6 * h.max()
         assert solution.a_r == np.mean(g <= 0)
@@ -72,13 +50,8 @@ def test_descent_from_the_state_before():
 
 def test_a_ball_that_comes_off_and_comes_back():
     """At one pull it is held or apart; without load it has the contact of the first time."""
-    w = 0.12**3 * 2 / (9 * np.pi)
-    jkr = JohnsonKendallRoberts(1.0, w)
-    ball = hpc_gfmd.make_surface(
-        "sphere", radius=1.0, n=(128, 128), physical_sizes=(1.0, 1.0), boundary="free"
-    )
-    forces = np.array([0.0, -1.2, -1.5, -1.2, 0.0, -1.2, -1.8, -1.2, 0.0, -1.2]) * np.pi * w
-    adhesion = {"work": w, "range": float(np.cbrt(w**2))}
+    ball, adhesion, jkr = adhesive.ball(128)
+    forces = np.pi * jkr.w * np.array([0.0, -1.2, -1.5, -1.2, 0.0, -1.2, -1.8, -1.2, 0.0, -1.2])
     cycle = solve(ball, None, adhesion, force=forces.tolist())
     statuses = [step["status"] for step in cycle.steps]
     assert statuses == ["converged"] * 6 + ["separated"] * 2 + ["converged"] * 2
@@ -91,12 +64,9 @@ def test_a_ball_that_comes_off_and_comes_back():
 
 def test_a_prescribed_gap_and_approach():
     """Apart they stay apart until undeformed bodies touch."""
-    n = 128
-    z = np.cos(2 * np.pi * np.arange(n) / n)[:, None]
-    work = (0.3 * np.pi) ** 2 / 2
-    adhesion = {"work": work, "range": float(np.sqrt(0.08 * work))}
+    wave, _ = adhesive.wave(0.08, 128)
     gaps = [0.4, 0.9, 1.2, 0.9, 1.5, 1.2, 0.9]
-    cycle = solve(z, None, adhesion, gap_mean=gaps, physical_sizes=(1.0, 1 / n))
+    cycle = hpc_gfmd.solve(**wave, gap_mean=gaps, history=True)
     assert [step["status"] for step in cycle.steps] == [
         *["converged"] * 4,
         *["separated"] * 2,

@@ -3,6 +3,7 @@
 import adhesive
 import numpy as np
 import pytest
+from contacts import wave_numbers
 
 from hpc_gfmd.laws import law_named, law_names
 from hpc_gfmd.operators.problem import Problem
@@ -12,8 +13,7 @@ from hpc_gfmd.solvers.bpx import Bpx
 
 def elastic_product(problem, g):
     """Return the mean of u K u."""
-    q = [2 * np.pi * np.fft.fftfreq(k) for k in problem.grid.n]
-    K = np.hypot(q[0][:, None], q[1]) / 2
+    K = wave_numbers(problem.grid.n, problem.grid.n) / 2
     u = g - problem.heights
     return np.mean(u * np.fft.ifft2(K * np.fft.fft2(u)).real)
 

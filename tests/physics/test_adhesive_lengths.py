@@ -5,7 +5,6 @@ import adhesive
 import numpy as np
 import oracle
 import pytest
-from adhesive_forms import AdhesiveWave
 from scipy.linalg import eigh, null_space
 
 import hpc_gfmd
@@ -14,61 +13,47 @@ import hpc_gfmd
 def test_a_wave_is_held_beyond_its_pull_off():
     """Larger gaps at smaller pulls, near Johnson's curve, at which no load holds it; at last it
     comes apart."""
-    n, work, ell = 512, (0.3 * np.pi) ** 2 / 2, 0.02
-    z = np.cos(2 * np.pi * np.arange(n) / n)[:, None]
-    how = {
-        "physical_sizes": (1.0, 1.0 / n),
-        "adhesion": {"work": work, "range": float(np.sqrt(ell * work))},
-        "branch": "retraction",
-        "fields": (),
-    }
+    wave, exact = adhesive.wave(0.02, 512)
     gaps = [0.36, 1.0, 1.2, 1.28, 1.32, 1.36, 1.6, 1.7]
-    found = hpc_gfmd.solve(z, gap_mean=gaps, **how)
-    assert [one.status for one in found] == ["converged"] * 6 + ["separated"] * 2
-    assert all("too far apart" in one.note for one in found[6:])
-    held, exact = found[:6], AdhesiveWave(work)
-    pulls = [-one.p / exact.p_full for one in held]
-    for one, gap in zip(held, gaps, strict=False):
-        assert one.gap_mean == pytest.approx(gap, rel=1e-3)
-        assert max(one.errors) < 1e-3
-        assert one.value("stability") > 0
+    solutions = hpc_gfmd.solve(**wave, gap_mean=gaps, branch="retraction")
+    assert [load.status for load in solutions] == ["converged"] * 6 + ["separated"] * 2
+    assert all("too far apart" in load.note for load in solutions[6:])
+    held = solutions[:6]
+    pulls = [-load.p / exact.p_full for load in held]
+    for load, gap in zip(held, gaps, strict=False):
+        assert load.gap_mean == pytest.approx(gap, rel=1e-3)
+        assert max(load.errors) < 1e-3
+        assert load.value("stability") > 0
     assert max(pulls) == pulls[3] == pytest.approx(-exact.pull_off / exact.p_full, rel=0.015)
     assert pulls[3] > pulls[4] > pulls[5] + 0.004
     assert pulls[5] == pytest.approx(0.0881, rel=0.01)
-    assert found.pull_off == found[3].p
-    by_load = hpc_gfmd.solve(z, [one.p for one in held[:4]], **how)
-    for one, same in zip(held, by_load[:3], strict=False):
-        assert same.a_r == pytest.approx(one.a_r, rel=2e-2)
-        assert same.gap_mean == pytest.approx(one.gap_mean, rel=5e-3)
+    assert solutions.pull_off == solutions[3].p
+    pressures = [load.p for load in held[:4]]
+    by_load = hpc_gfmd.solve(**wave, pressure=pressures, branch="retraction")
+    for load, under_load in zip(held, by_load[:3], strict=False):
+        assert under_load.a_r == pytest.approx(load.a_r, rel=2e-2)
+        assert under_load.gap_mean == pytest.approx(load.gap_mean, rel=5e-3)
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
 def test_a_ball_at_an_approach(precision):
     """The forces that give these approaches come out again, and an approach below 0 is held."""
-    w = 0.12**3 * 2 / (9 * np.pi)
-    ball = hpc_gfmd.make_surface(
-        "sphere", radius=1.0, n=(64, 64), physical_sizes=(1.0, 1.0), boundary="free"
-    )
-    how = {
-        "adhesion": {"work": w, "range": float(np.cbrt(w**2))},  # Tabor's parameter is 1
-        "branch": "retraction",
-        "precision": precision,
-        "fields": (),
-    }
-    forces = [float(force * np.pi * w) for force in (0.5, 0.0, -1.2, -1.5)]
+    ball, adhesion, jkr = adhesive.ball(64)
+    how = {"adhesion": adhesion, "branch": "retraction", "precision": precision, "fields": ()}
+    forces = [float(force * np.pi * jkr.w) for force in (0.5, 0.0, -1.2, -1.5)]
     pulled = hpc_gfmd.solve(ball, force=forces, **how)
-    approaches = [float(one.value("approach")) for one in pulled]
+    approaches = [float(load.value("approach")) for load in pulled]
     assert approaches[-1] < 0 < approaches[-2]
-    found = hpc_gfmd.solve(ball, approach=approaches, **how)
-    for one, same, approach in zip(found, pulled, approaches, strict=True):
-        assert one.status == "converged"
-        assert one.value("approach") == pytest.approx(approach, abs=2e-3 * approaches[0])
-        assert one.p == pytest.approx(same.p, abs=4e-3 * np.pi * w)
-        assert one.a_r == pytest.approx(same.a_r, abs=3 / 64**2)
-    last = hpc_gfmd.solve(ball, approach=[approaches[0], 0, -0.05, -0.06], **how)[1:]
-    assert [one.status for one in last] == ["converged", "separated", "separated"]
-    assert found[-2].p > last[0].p > found[-1].p
-    assert last[0].value("approach") == pytest.approx(0, abs=1e-3 * how["adhesion"]["range"])
+    solutions = hpc_gfmd.solve(ball, approach=approaches, **how)
+    for load, expected, approach in zip(solutions, pulled, approaches, strict=True):
+        assert load.status == "converged"
+        assert load.value("approach") == pytest.approx(approach, abs=2e-3 * approaches[0])
+        assert load.p == pytest.approx(expected.p, abs=4e-3 * np.pi * jkr.w)
+        assert load.a_r == pytest.approx(expected.a_r, abs=3 / 64**2)
+    ends = hpc_gfmd.solve(ball, approach=[approaches[0], 0, -0.05, -0.06], **how)[1:]
+    assert [load.status for load in ends] == ["converged", "separated", "separated"]
+    assert solutions[-2].p > ends[0].p > solutions[-1].p
+    assert ends[0].value("approach") == pytest.approx(0, abs=1e-3 * adhesion["range"])
 
 
 @pytest.mark.parametrize("branch", ["approach", "retraction"])
@@ -78,14 +63,14 @@ def test_a_rough_wall_at_mean_gaps(branch):
     how = {"adhesion": adhesion, "precision": "double", "fields": (), "accuracy": 1e-4}
     pressures = [0.3, 0.05, 0.0, -0.001]
     pulled = hpc_gfmd.solve(wall, pressures, branch="retraction", **how)
-    gaps = [float(one.gap_mean) for one in pulled]
-    found = hpc_gfmd.solve(wall, gap_mean=gaps, branch=branch, unique=True, **how)
-    for one, same in zip(found, pulled, strict=True):
-        assert one.status == "converged"
-        assert one.gap_mean == pytest.approx(same.gap_mean, rel=1e-4)
-        assert one.p == pytest.approx(same.p, rel=2e-3, abs=1e-5)
-        assert one.a_r == pytest.approx(same.a_r, abs=2 / 32**2)
-        assert one.value("unique") in (0, 1)
+    gaps = [float(load.gap_mean) for load in pulled]
+    solutions = hpc_gfmd.solve(wall, gap_mean=gaps, branch=branch, unique=True, **how)
+    for load, expected in zip(solutions, pulled, strict=True):
+        assert load.status == "converged"
+        assert load.gap_mean == pytest.approx(expected.gap_mean, rel=1e-4)
+        assert load.p == pytest.approx(expected.p, rel=2e-3, abs=1e-5)
+        assert load.a_r == pytest.approx(expected.a_r, abs=2 / 32**2)
+        assert load.value("unique") in (0, 1)
 
 
 def test_a_gap_at_which_the_bodies_touch_is_never_separated():
@@ -94,7 +79,7 @@ def test_a_gap_at_which_the_bodies_touch_is_never_separated():
     heights = np.asarray(wall.heights)
     touching = heights.max() - heights.mean()
     gaps = [0.02 * touching, 0.1 * touching, 0.9 * touching]
-    found = hpc_gfmd.solve(
+    solutions = hpc_gfmd.solve(
         wall,
         gap_mean=gaps,
         adhesion=adhesive.attraction(1.0, 0.3),
@@ -102,10 +87,10 @@ def test_a_gap_at_which_the_bodies_touch_is_never_separated():
         accuracy=1e-2,
         fields=(),
     )
-    assert [one.status for one in found] == ["converged"] * 3
-    for one, gap in zip(found, gaps, strict=True):
-        assert one.gap_mean == pytest.approx(gap, rel=1e-2)
-        assert one.p < 0 < one.a_r
+    assert [load.status for load in solutions] == ["converged"] * 3
+    for load, gap in zip(solutions, gaps, strict=True):
+        assert load.gap_mean == pytest.approx(gap, rel=1e-2)
+        assert load.p < 0 < load.a_r
 
 
 def test_a_gap_that_the_contact_jumps_past():
@@ -115,9 +100,9 @@ def test_a_gap_that_the_contact_jumps_past():
     groove += 1e-3 * np.random.default_rng(0).standard_normal((9, 9))
     how = {"adhesion": {"work": 217.0, "range": 1.3245}, "fields": ()}
     with pytest.warns(hpc_gfmd.NotConverged, match="stagnated"):
-        found = hpc_gfmd.solve(groove, gap_mean=0.0775, boundary=["free", "periodic"], **how)
-    assert "the contact jumps past the prescribed value" in found.note
-    assert found.fft_pairs < 1500
+        solution = hpc_gfmd.solve(groove, gap_mean=0.0775, boundary=["free", "periodic"], **how)
+    assert "the contact jumps past the prescribed value" in solution.note
+    assert solution.fft_pairs < 1500
 
 
 def stability_at(solution, work, reach):
@@ -138,12 +123,12 @@ def test_a_ball_whose_contact_jumps_with_a_soft_spring():
     reach = np.ptp(ball)
     work = 9 * np.pi * reach**2
     attraction = {"work": work, "range": reach}
-    found = hpc_gfmd.solve(ball, gap_mean=gap, adhesion=attraction, boundary="periodic")
-    assert found.status == "converged"
-    assert found.gap_mean == pytest.approx(gap, rel=1e-3)
-    assert found.p == pytest.approx(-0.646, abs=5e-3)
-    assert stability_at(found, work, reach) > 0
-    assert found.fft_pairs < 400
+    solution = hpc_gfmd.solve(ball, gap_mean=gap, adhesion=attraction, boundary="periodic")
+    assert solution.status == "converged"
+    assert solution.gap_mean == pytest.approx(gap, rel=1e-3)
+    assert solution.p == pytest.approx(-0.646, abs=5e-3)
+    assert stability_at(solution, work, reach) > 0
+    assert solution.fft_pairs < 400
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-8])
@@ -154,13 +139,13 @@ def test_a_symmetric_wall_is_left_where_the_symmetric_state_is_a_saddle(noise):
     heights = -0.02 * np.add.outer(x * x, 0 * x)
     gap = 0.5966 * (heights.max() - heights.mean())
     heights += noise * np.random.default_rng(1).standard_normal(heights.shape)
-    found = hpc_gfmd.solve(
+    solution = hpc_gfmd.solve(
         heights,
         gap_mean=gap,
         adhesion={"work": work, "range": reach},
         accuracy=1e-5,
         boundary="periodic",
     )
-    assert found.status == "converged"
-    assert found.p == pytest.approx(-0.01794, rel=1e-3)
-    assert stability_at(found, work, reach) > 0.1
+    assert solution.status == "converged"
+    assert solution.p == pytest.approx(-0.01794, rel=1e-3)
+    assert stability_at(solution, work, reach) > 0.1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from contacts import relative, rough_wall
-from oracle import solve as exact_contact
+from oracle import solve_history
 from refusal import refused
 from scipy.optimize import brentq
 
@@ -157,33 +157,17 @@ def test_recovery_without_load():
 
 @pytest.mark.parametrize("hardness", [None, 1.0])
 def test_small_walls_against_dense_steps(hardness):
-    """A Maxwell element, and with a hardness dents, by the oracle of each step."""
-    from oracle import solve_yielding
-
+    """A Maxwell element, and with a hardness dents."""
     z = np.random.default_rng(3).standard_normal((12, 10)) * 0.05
-    loads, times, (r, tau) = [0.3, 0.3, 0.1, 0.4], [0.0, 1.0, 1.5, 1.5], (0.7, 2.0)
+    loads, times, element = [0.3, 0.3, 0.1, 0.4], [0.0, 1.0, 1.5, 1.5], (0.7, 2.0)
     history = {} if hardness is None else {"hardness": hardness, "history": True}
     solutions = hpc_gfmd.solve(
-        z, loads, time=times, relaxation=[(r, tau)], accuracy=1e-6, boundary="periodic", **history
+        z, loads, time=times, relaxation=[element], accuracy=1e-6, boundary="periodic", **history
     )
-    u = q = dents = np.zeros_like(z)
-    before = 0.0
-    for load, time, solution in zip(loads, times, solutions, strict=True):
-        dt, before = time - before, time
-        e = np.exp(-dt / tau)
-        f = (1 - e) * tau / dt if dt else 1.0
-        k = 1 - r + r * f
-        changed = z - dents + r * (e * q - f * u) / k
-        if hardness is None:
-            exact = exact_contact(changed, load, k)
-        else:
-            exact = solve_yielding(changed, load, hardness, k)
-        gap = np.maximum(exact.gap, 0)
+    exact_history = solve_history(z, loads, times, element, hardness)
+    for (exact, _), solution in zip(exact_history, solutions, strict=True):
         assert relative(solution.pressure, exact.pressure) < 1e-5
-        assert relative(solution.gap, gap) < 1e-5
-        dents = dents + np.maximum(-exact.gap, 0)
-        moved = gap + z - z.max() - dents - u
-        u, q = u + moved, e * q + f * moved
+        assert relative(solution.gap, np.maximum(exact.gap, 0)) < 1e-5
 
 
 def test_errors_do_not_add_up():

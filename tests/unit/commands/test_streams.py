@@ -7,7 +7,8 @@ import sys
 
 import numpy as np
 import pytest
-from contacts import scene_text
+import tomli_w
+from contacts import WAVE_SCENE, scene_text
 from mpi_harness import environment, python
 from result_files import complete
 
@@ -104,15 +105,10 @@ ARGUMENTS = {  # of a command: the key that its message names
 def test_file_names_outside_the_locale_are_refused(tmp_path):
     """The message names the locale's encoding instead of reporting a missing file."""
     np.save(tmp_path / "höhe.npy", np.eye(8))
-    load = "[load]\npressure = 0.1\n"
-    (tmp_path / "surface.toml").write_text(
-        f"[surface]\nkind = 'file'\npath = 'höhe.npy'\nphysical_sizes = [1, 1]\n{load}", "utf-8"
-    )
-    (tmp_path / "output.toml").write_text(
-        "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n"
-        f"[output]\npath = 'größe.h5'\n{load}",
-        "utf-8",
-    )
+    surface = {"kind": "file", "path": "höhe.npy", "physical_sizes": [1, 1]}
+    of_a_map = tomli_w.dumps({"surface": surface, "load": {"pressure": 0.1}})
+    (tmp_path / "surface.toml").write_text(of_a_map, "utf-8")
+    (tmp_path / "output.toml").write_text(WAVE_SCENE + "[output]\npath = 'größe.h5'\n", "utf-8")
     before = sorted(os.listdir(tmp_path))
     completed = python(None, ["-c", EACH, *ARGUMENTS], environment(**ASCII), tmp_path)
     assert completed.stdout.split() == ["2"] * len(ARGUMENTS), completed.stderr

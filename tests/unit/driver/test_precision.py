@@ -5,7 +5,6 @@ import pytest
 from contacts import rough, sweep_of
 
 import hpc_gfmd
-from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.precision import first_precision, known_heights, known_p_stars, precisions
 from hpc_gfmd.scene import Scene, SolverTable
 
@@ -27,51 +26,31 @@ def test_first_precision(settings, dtype):
     assert first_precision(SolverTable(**settings)) == dtype
 
 
-@pytest.mark.parametrize(("p_star", "dtypes"), [([0.1, 0.3, 0.2], [DOUBLE] * 3), ([0.3], [SINGLE])])
-def test_loads_that_leave_errors_to_later_ones(p_star, dtypes):
-    """Forecast and use of a higher precision where dents stay."""
-    surface = rough((2, 32, 2))
-    load = {"p_star": p_star, "history": True}
-    scene = {"surface": surface, "load": load, "material": {"hardness": 0.5}}
-    assert precisions(Scene.from_dict(scene), (128, 128)) == dtypes
-    solutions = hpc_gfmd.solve(
-        hpc_gfmd.make_surface(**surface), p_star=p_star, history=True, hardness=0.5
-    )
-    assert [solution.precision for solution in solutions] == [dtype.name for dtype in dtypes]
+LOOSE = {"accuracy": 2e-3}
+SOFT = {"accuracy": 1e-2}  # solver of bodies that are softer than the wall is steep
+SWEEPS = [  # load, material, solver, precisions
+    ({"p_star": [0.3, 0.2]}, {}, LOOSE, [SINGLE, SINGLE]),
+    ({"p_star": [0.3, 1e-4, 0.3]}, {}, LOOSE, [SINGLE, DOUBLE, DOUBLE]),
+    # errors are left to later loads where dents stay
+    ({"p_star": [0.1, 0.3, 0.2], "history": True}, {"hardness": 0.5}, {}, [DOUBLE] * 3),
+    ({"p_star": [0.3], "history": True}, {"hardness": 0.5}, {}, [SINGLE]),
+    ({"pressure": 3e-7}, {"hardness": 1e-6}, SOFT, [DOUBLE]),
+    ({"pressure": 0.09}, {"hardness": 0.3}, SOFT, [SINGLE]),
+]
 
 
-@pytest.mark.parametrize("p_star", [[0.3, 0.2], [0.3, 1e-4, 0.3]])
-def test_forecast_agrees_with_a_sweep(p_star):
-    surface = rough((2, 32, 2))
-    solver = {"accuracy": 2e-3}
-    scene = Scene.from_dict({"surface": surface, "load": {"p_star": p_star}, "solver": solver})
-    forecast = precisions(scene, scene.surface.n)
-    sweep = sweep_of(surface, **solver)
-    used = [sweep.solve(p * sweep.surface.g_rms).g.dtype for p in p_star]
-    assert [dtype or SINGLE for dtype in forecast] == used
-
-
-@pytest.mark.parametrize(("hardness", "dtype"), [(1e-6, DOUBLE), (0.3, SINGLE)])
-def test_soft_bodies_are_not_tried_in_single_precision(hardness, dtype):
-    """Every FFT pair is one of double precision."""
-    surface = rough((2, 32, 2))
-    p_mean = 0.3 * hardness
-    material = {"hardness": hardness}
-    scene = Scene.from_dict(
-        {
-            "surface": surface,
-            "load": {"pressure": p_mean},
-            "solver": {"accuracy": 1e-2},
-            "material": material,
-        }
-    )
-    (forecast,) = precisions(scene, scene.surface.n)
-    assert (forecast or SINGLE) == dtype
-    contact = sweep_of(surface, accuracy=1e-2, layer=material).solve(Load("pressure", p_mean))
-    assert contact.g.dtype == dtype
-    if dtype == DOUBLE:
-        double = sweep_of(surface, accuracy=1e-2, precision="double", layer=material)
-        assert contact.fft_pairs == double.solve(Load("pressure", p_mean)).fft_pairs
+def test_forecast_and_use_of_precisions():
+    """Soft bodies are not tried in single precision: every FFT pair is one of double."""
+    for load, material, solver, dtypes in SWEEPS:
+        tables = {"surface": rough((2, 32, 2)), "load": load, "material": material}
+        scene = Scene.from_dict(tables | {"solver": solver})
+        forecast = precisions(scene, scene.surface.n)
+        assert [dtype or SINGLE for dtype in forecast] == dtypes
+        solutions = hpc_gfmd.solve(scene)
+        assert [solution.precision for solution in solutions] == [dtype.name for dtype in dtypes]
+        if solver is SOFT and dtypes == [DOUBLE]:
+            (in_double,) = hpc_gfmd.solve(scene, precision="double")
+            assert solutions[0].fft_pairs == in_double.fft_pairs
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ def loads_tried(target):
     return solver.loads
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     exponent=st.floats(0.2, 3.0),
     scale=st.floats(1e-3, 1e3),
@@ -97,7 +97,7 @@ def test_nearly_flat_curve_is_crossed():
     assert loads[-1] == pytest.approx(0.8, rel=2 * TOLERANCE)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(root=st.floats(0.02, 40.0), kind=st.sampled_from(["line", "cubic", "kink", "side"]))
 def test_steps_are_enclosed(root, kind):
     """Between bounds the load converges to the root, whatever the distance tells of it."""

@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from result_files import HEAD
+from result_files import begin
 
 import hpc_gfmd
 from hpc_gfmd.contact import all_numbers
-from hpc_gfmd.output.record import RunFile
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.util.libraries import surface_topography
 
 N = (6, 4)
@@ -31,7 +29,7 @@ def field(step, name):
 def write(path, loads=LOADS, units=UNITS, **options):
     """Write a result file with numbers of several types and two fields; options: of RunFile."""
     options |= {"about": all_numbers()}
-    with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE | units, **options) as run:
+    with begin(path, surface=SURFACE | units, **options) as run:
         run.update(height_field=HEIGHTS)
         for step, p in enumerate(loads):
             attributes = {
@@ -176,7 +174,6 @@ def test_the_table_that_a_result_was_made_of_is_not_replaced(path, cli):
 
 
 def test_refused_exports_write_nothing(path, tmp_path, cli):
-    """Damaged fields are in test_result_file.py."""
     for options in ("csv -o out.h5", "csv -o missing/a.csv", "pdf"):
         cli.refused(f"export out.h5 --to {options}")
     assert os.listdir(tmp_path) == ["out.h5"]

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from contacts import WAVE_SCENE
 from mpi_harness import environment, python
 from refusal import refused
 
@@ -170,7 +171,7 @@ meeting = MPI.COMM_WORLD.Ibarrier()
 while not meeting.Test():
     time.sleep(0.01)
 """
-SCENE = "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
+SCENE = WAVE_SCENE
 
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="needs /proc")

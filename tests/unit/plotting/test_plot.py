@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from contacts import rough_wall, scene_text
 from refusal import refused
+from result_files import begin
 
 import hpc_gfmd
 from hpc_gfmd import make_surface
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.output.summary import error_bars
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, maps, plot, plot_result, style
 
 
@@ -54,9 +53,7 @@ def write(
         "g_rms": 1.0,
         "eps_f": 0.01,
     } | (surface or {})
-    with RunFile(
-        SerialComm(), path, tuple(n), (0, n[0]), {"scene": scene, "identity": "a"}, surface
-    ) as run:
+    with begin(path, surface=surface, head={"scene": scene}) as run:
         for index in range(steps):
             noise = random.normal(size=n)
             whole = {"pressure": np.clip(noise, 0, 1.5), "gap": np.maximum(-noise, 0)}

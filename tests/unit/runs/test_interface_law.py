@@ -124,8 +124,7 @@ def test_errors_are_those_of_the_finest_intervals():
 
 def test_quarters_of_a_periodic_wall_have_the_law_of_the_whole():
     """Mirrored pieces, each two longest waves long: their mean is within the scatter of one."""
-    keys = {"hurst": 0.8, "L_over_lam_l": 4, "lam_l_over_lam_s": 8, "lam_s_over_a": 4, "seed": 3}
-    whole = hpc_gfmd.make_surface("self-affine", g_rms=0.1, **keys)
+    whole = rough_wall((4, 8, 4), seed=3, g_rms=0.1)
     corners = [(i, j) for i in (0, 64) for j in (0, 64)]
     pieces = [
         hpc_gfmd.prepare_surface(

@@ -11,15 +11,14 @@ import pytest
 from contacts import random_heights, rough, scene_text
 from mpi_harness import printed
 from refusal import refused
+from result_files import begin
 
 import hpc_gfmd
 from hpc_gfmd.contact import all_distributions, all_observables, observable_names, response
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel import h5
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.runs.solution import LOST
 from hpc_gfmd.scene import Scene
@@ -252,15 +251,13 @@ def test_missing_fields_and_observables_are_refused(saved):
 
 
 def test_loading_an_interrupted_run(sweep, saved, tmp_path):
-    folder = partial_folder(tmp_path / "stopped.h5")
     saved.save("stopped.h5")
     result = read_result("stopped.h5")
-    (tmp_path / "stopped.h5").unlink()
-    with RunFile(
-        SerialComm(), tmp_path / "stopped.h5", N, (0, N[0]), result.head, result.surface
-    ) as file:
+    Path("stopped.h5").unlink()
+    path = tmp_path / "stopped.h5"
+    with begin(path, result.head["identity"], result.surface, result.head) as file:
         file.write_step(1, result.steps[1], {"pressure": sweep[1].pressure, "gap": sweep[1].gap})
-    assert folder.is_dir()
+    assert partial_folder(path).is_dir()
     with pytest.warns(
         UserWarning,
         match=r"loads 1 \(pressure = 10 MPa\), 3 \(pressure = 200 MPa\) of 3 are missing",

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from contacts import random_heights
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_tables import rows
 
@@ -143,7 +143,7 @@ changes = st.lists(st.sampled_from(list(PLAUSIBLE)), max_size=3, unique=True).fl
 )
 
 
-@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=250)
 @given(changes, st.integers(1, 40))
 def test_random_arguments_give_a_solution_or_a_refusal(changes, iterations):
     result = None

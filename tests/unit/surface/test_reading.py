@@ -11,17 +11,14 @@ import netcdf
 import numpy as np
 import pytest
 import tifffile
-from contacts import random_heights
+from contacts import opened, random_heights
 from PIL import Image
 from refusal import refused
 
 import hpc_gfmd
-from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.runs.surfaces import surface_of_topography
-from hpc_gfmd.scene import File, Scene
-from hpc_gfmd.surface import build_surface
-from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.libraries import surface_topography
 
 # in m; numbers of points and pixel sizes differ along x and y, which reveals exchanged axes
@@ -89,11 +86,7 @@ BARE = {
     "commented.txt": lambda p, z: np.savetxt(p, z, header="my heights"),
 }
 BY_HAND = {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}
-SUFFIXES = ("", ".dat", ".hdf", ".txt", ".tif", ".nc", ".h5", ".map", ".x3p")
-
-
-def spec(path, **more):
-    return File(kind="file", path=str(path), **more)
+SUFFIXES = ("", ".dat", ".hdf", ".txt", ".tif", ".nc", ".nc4", ".cdf", ".h5", ".map", ".x3p")
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +106,7 @@ def numbers(solution):
 def test_sizes_and_units_of_files(name, unit, tmp_path, plain):
     """A solution from path, load and modulus agrees with that of plain numbers."""
     FORMATS[name](tmp_path / name, unit)
-    read = open_topography(spec(tmp_path / name))
+    read = opened(tmp_path / name)
     assert read.n == N
     assert read.unit == "m"
     assert np.allclose(read.sizes, SIZES, rtol=1e-9)
@@ -134,7 +127,7 @@ def test_files_of_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
             hpc_gfmd.read_surface(name, **keys)
     plain = {"physical_sizes": (1200, 400)}
     for keys, scale in ((named | {"unit": "nm"}, 1), (plain | {"unit": "nm"}, 1), (plain, 1e9)):
-        read = open_topography(spec(name, **keys))
+        read = opened(name, **keys)
         assert read.sizes == pytest.approx([scale * size for size in SIZES], rel=1e-12)
         assert np.allclose(read.rows(0, 12), scale * Z, rtol=1e-12)
         assert read.unit == ("m" if "unit" in keys else "")
@@ -150,7 +143,7 @@ def assert_read_under_any_name(name, keys):
     others["z.zip"] = Path("z.zip").read_bytes()
     for other_name, content in others.items():
         Path(other_name).write_bytes(content)
-        read = open_topography(spec(other_name, **keys))
+        read = opened(other_name, **keys)
         assert np.allclose(read.rows(0, 12), Z, rtol=1e-6, atol=1e-16), (name, other_name)
 
 
@@ -166,12 +159,12 @@ def test_content_decides_the_format():
 
 def test_scene_overrides_sizes_but_not_units(tmp_path):
     FORMATS["z.nc"](tmp_path / "z.nc", "nm")
-    read = open_topography(spec("z.nc", physical_sizes=(10, 20)))
+    read = opened("z.nc", physical_sizes=(10, 20))
     assert read.sizes == pytest.approx((1e-8, 2e-8))
     assert np.allclose(read.rows(0, 12), Z)
-    assert open_topography(spec("z.nc", unit="nm")).sizes == pytest.approx(SIZES)
+    assert opened("z.nc", unit="nm").sizes == pytest.approx(SIZES)
     with refused(r"^surface.unit: found 'um', but .* heights in 'nm', all"):
-        open_topography(spec("z.nc", unit="um"))
+        opened("z.nc", unit="um")
 
 
 BAD_METADATA = [
@@ -238,7 +231,7 @@ def test_unknown_formats_are_refused(tmp_path, capfd):
     """The message lists known formats; attempts of other readers print nothing."""
     (tmp_path / "z.abc").write_bytes(b"\x89ABC\r\n\x1a\n" + bytes(range(256)) * 8)
     with refused(r"is not known, or .* known are npy, .*, x3p, .*gwy"):
-        open_topography(spec("z.abc"))
+        opened("z.abc")
     assert not capfd.readouterr().out
 
 
@@ -248,12 +241,12 @@ def test_uneven_coordinates_are_refused(tmp_path):
     with h5py.File("z.nc", "r+") as file:
         file["x"][1] *= 1.01  # an inner point
     with refused("not those of a regular grid"):
-        open_topography(spec("z.nc"))
+        opened("z.nc")
     with h5py.File("z.nc", "r+") as file:
         file["x"].attrs["NAME"] = "This is a netCDF dimension but not a netCDF variable.  12"
     with refused("^surface.physical_sizes: not given"):
         hpc_gfmd.read_surface("z.nc")
-    assert np.array_equal(open_topography(spec("z.nc", physical_sizes=SIZES)).rows(0, 12), Z)
+    assert np.array_equal(opened("z.nc", physical_sizes=SIZES).rows(0, 12), Z)
 
 
 @pytest.mark.parametrize(
@@ -330,18 +323,18 @@ def test_missing_heights_in_memory_and_files():
         with h5py.File(name, "w") as file:
             file.update(arrays)
     for name in ("z.nc", "z.x3p", "z.npz", "z.h5", "four.nc"):
-        read = open_topography(spec(name, boundary="free", physical_sizes=SIZES))
+        read = opened(name, boundary="free", physical_sizes=SIZES)
         assert np.array_equal(np.isnan(read.rows(0, 12)), MASKED.mask)
         with refused(r"^surface.path: found nan at"):
-            build_surface(spec(name, boundary="free", physical_sizes=SIZES), SerialComm(), float)
+            hpc_gfmd.read_surface(name, boundary="free", physical_sizes=SIZES)
     np.savez("z.npz", z=Z, mask=MASKED.mask.T)
     with refused("mask"):
-        open_topography(spec("z.npz", physical_sizes=SIZES)).rows(0, 12)
+        opened("z.npz", physical_sizes=SIZES).rows(0, 12)
     np.savez("z.npz", z=Z, mask=Z)  # the dataset "mask" holds heights
-    read = open_topography(spec("z.npz", physical_sizes=SIZES, dataset="mask"))
+    read = opened("z.npz", physical_sizes=SIZES, dataset="mask")
     assert np.array_equal(read.rows(0, 12), Z)
     with refused("mask .*0 and 1"):
-        open_topography(spec("z.npz", physical_sizes=SIZES, dataset="z")).rows(0, 12)
+        opened("z.npz", physical_sizes=SIZES, dataset="z").rows(0, 12)
     for heights in (MASKED, MASKED.filled(np.nan)):
         filled = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
         assert np.allclose(filled.heights, surface.heights)

@@ -11,14 +11,12 @@ import netcdf
 import numpy as np
 import pytest
 import tifffile
-from contacts import random_heights
+from contacts import opened, random_heights
 from refusal import refused
 
 import hpc_gfmd
 from hpc_gfmd.commands.init import compose
-from hpc_gfmd.scene import File
 from hpc_gfmd.surface.quality import edges_of, quality_of
-from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.libraries import surface_topography
 
 Z = np.round(20 * random_heights((12, 8)), 3)  # nm
@@ -26,10 +24,6 @@ SIZES = (1.2e-6, 0.4e-6)
 KEYS = {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}
 SMALL = {"physical_sizes": ("4 um", "4 um"), "unit": "nm"}
 HOLE = (2, 5)
-
-
-def opened(path, **keys):
-    return open_topography(File(kind="file", path=str(path), **keys))
 
 
 def heights(path, **keys):
@@ -165,40 +159,37 @@ def point_rows(names, order=lambda table: table):
     return table.tolist()
 
 
-@pytest.mark.parametrize(
-    "names",
-    [
-        ("x[um]", "y[um]", "z[nm]", "I[1]"),
-        ("I[1]", "x[um]", "y[um]", "z[nm]"),
-        ("z [nm]", "x [um]", "y [um]"),
-        ("x (µm)", "y (µm)", "z (nm)"),
-    ],
-)
-@pytest.mark.parametrize("mark", ["\t", ";", ","])
-def test_named_columns_of_points(names, mark):
-    Path("z.xyz").write_text(table_text([names, *point_rows(names)], mark))
-    topography = opened("z.xyz")
-    assert is_map(1e9 * topography.rows(0, 12))
-    assert topography.sizes == pytest.approx(SIZES)
-    assert any("column I is not used" in str(note) for note in topography.notes) == (
-        len(names) == 4
-    )
+NAMES_OF_COLUMNS = [
+    ("x[um]", "y[um]", "z[nm]", "I[1]"),
+    ("I[1]", "x[um]", "y[um]", "z[nm]"),
+    ("z [nm]", "x [um]", "y [um]"),
+    ("x (µm)", "y (µm)", "z (nm)"),
+]
 
 
-@pytest.mark.parametrize(
-    "order",
-    [
-        lambda t: t[::-1],
-        lambda t: t[np.lexsort(t.T[[0, 1]])],
-        lambda t: np.random.default_rng(1).permutation(t),
-        lambda t: t[np.lexsort((-t[:, 1], t[:, 0]))],
-    ],
-)
-def test_points_in_any_order(order):
-    Path("z.xyz").write_text(
-        table_text([("x[um]", "y[um]", "z[nm]"), *point_rows("xyz", order)], " ")
-    )
-    assert is_map(heights("z.xyz"))
+def test_named_columns_of_points():
+    for names, mark in product(NAMES_OF_COLUMNS, "\t;,"):
+        Path("z.xyz").write_text(table_text([names, *point_rows(names)], mark))
+        topography = opened("z.xyz")
+        assert is_map(1e9 * topography.rows(0, 12)), (names, mark)
+        assert topography.sizes == pytest.approx(SIZES)
+        is_noted = any("column I is not used" in str(note) for note in topography.notes)
+        assert is_noted == ("I[1]" in names)
+
+
+ORDERS = [
+    lambda t: t[::-1],
+    lambda t: t[np.lexsort(t.T[[0, 1]])],
+    lambda t: np.random.default_rng(1).permutation(t),
+    lambda t: t[np.lexsort((-t[:, 1], t[:, 0]))],
+]
+
+
+def test_points_in_any_order():
+    for order in ORDERS:
+        rows = point_rows("xyz", order)
+        Path("z.xyz").write_text(table_text([("x[um]", "y[um]", "z[nm]"), *rows], " "))
+        assert is_map(heights("z.xyz"))
 
 
 GWYDDION = "# Channel: Height\n# Width: 4 µm\n# Height: 2 µm\n# Value units: nm\n"
@@ -240,17 +231,14 @@ def test_points_with_blank_lines_that_are_no_grid_are_refused():
 HEADER = "# Channel: Height\n# Width: {}\n# Height: {}\n# Value units: nm\n"
 
 
-@pytest.mark.parametrize(
-    ("encoding", "decimal"),
-    [("utf-8", "."), ("latin-1", "."), ("utf-8-sig", "."), ("utf-16", "."), ("latin-1", ",")],
-)
-def test_header_decides_the_direction(encoding, decimal):
+def test_header_decides_the_direction():
     """In all encodings and with decimal commas."""
     body = HEADER.format("1.2 µm", "0.4 µm") + table_text(Z.T)
-    Path("z.txt").write_bytes(body.replace(".", decimal).encode(encoding))
-    topography = opened("z.txt")
-    assert topography.sizes == pytest.approx(SIZES)
-    assert is_map(1e9 * topography.rows(0, 12))
+    for encoding, decimal in product(("utf-8", "latin-1", "utf-8-sig", "utf-16"), ".,"):
+        Path("z.txt").write_bytes(body.replace(".", decimal).encode(encoding))
+        topography = opened("z.txt")
+        assert topography.sizes == pytest.approx(SIZES), (encoding, decimal)
+        assert is_map(1e9 * topography.rows(0, 12)), (encoding, decimal)
 
 
 def test_all_formats_share_one_convention():
@@ -345,10 +333,9 @@ def packed_netcdf(path):
     netcdf.write(path, steps, AXES, classic=True, scale_factor=0.0625, _FillValue=hole)
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".nc4", ".cdf", ".dat"])
-def test_packed_integers_of_netcdf(suffix):
-    packed_netcdf(f"z{suffix}")
-    topography = opened(f"z{suffix}")
+def test_packed_integers_of_netcdf():
+    packed_netcdf("z.nc")
+    topography = opened("z.nc")
     assert topography.sizes == pytest.approx(SIZES)
     assert is_map(1e9 * topography.rows(0, 12), with_hole(np.round(Z / 0.0625) * 0.0625))
 
@@ -411,13 +398,12 @@ def test_topography_precedes_other_channels():
 # Missing values
 
 
-@pytest.mark.parametrize("number", [-9999, -32768, 3.4028234663852886e38, 0])
-@pytest.mark.parametrize("dtype", ["f4", "f8"])
-def test_nodata_of_geotiff(number, dtype):
-    z = np.where(np.isnan(with_hole()), number, Z).astype(dtype)
-    tag = [(42113, "s", 0, f"{number}", True)]
-    tifffile.imwrite("z.tif", z.T, extratags=tag)
-    assert is_map(heights("z.tif", **KEYS), with_hole(Z.astype(dtype)))
+def test_nodata_of_geotiff():
+    for number, dtype in product((-9999, -32768, 3.4028234663852886e38, 0), ("f4", "f8")):
+        z = np.where(np.isnan(with_hole()), number, Z).astype(dtype)
+        tag = [(42113, "s", 0, f"{number}", True)]
+        tifffile.imwrite("z.tif", z.T, extratags=tag)
+        assert is_map(heights("z.tif", **KEYS), with_hole(Z.astype(dtype))), (number, dtype)
 
 
 def test_nodata_of_integers():
@@ -430,49 +416,47 @@ def test_nodata_of_integers():
     assert any("0 to 65535" in str(note) for note in topography.notes)
 
 
-@pytest.mark.parametrize("name", ["NODATA_value", "nodata_value", "NODATA_VALUE"])
-def test_nodata_of_esri(name):
+def test_nodata_of_esri():
     """Lines run along x, as in images."""
     head = "ncols 12\nnrows 8\nxllcorner 0\nyllcorner 0\ncellsize 0.1\n"
     z = np.where(np.isnan(with_hole()), -9999, Z)
-    Path("z.asc").write_text(f"{head}{name} -9999\n" + table_text(z.T, " "))
-    assert is_map(heights("z.asc", **KEYS), with_hole())
+    for name in ("NODATA_value", "nodata_value", "NODATA_VALUE"):
+        Path("z.asc").write_text(f"{head}{name} -9999\n" + table_text(z.T, " "))
+        assert is_map(heights("z.asc", **KEYS), with_hole()), name
     Path("z.asc").write_text(f"{head}{name} -9999\n" + table_text(z.T[:-1], " "))
     with refused("found 7 lines of 12 numbers, allowed: 8 of 12"):
         heights("z.asc", **KEYS)
 
 
-@pytest.mark.parametrize("written", ["-9999", "-9999.0", "-9.999e3"])
-@pytest.mark.parametrize("name", ["z.txt", "z.npy", "z.tif"])
-def test_missing_numbers_of_the_scene(written, name):
+def test_missing_numbers_of_the_scene():
     z = np.where(np.isnan(with_hole()), -9999, Z)
-    {"z.txt": np.savetxt, "z.npy": np.save}.get(name, lambda p, z: tifffile.imwrite(p, z.T))(
-        name, z
-    )
-    assert is_map(heights(name, missing=[written], **KEYS), with_hole())
+    np.savetxt("z.txt", z)
+    np.save("z.npy", z)
+    tifffile.imwrite("z.tif", z.T)
+    for name, written in product(("z.txt", "z.npy", "z.tif"), ("-9999", "-9999.0", "-9.999e3")):
+        assert is_map(heights(name, missing=[written], **KEYS), with_hole()), (name, written)
 
 
 # Decreasing coordinates
 
 
-@pytest.mark.parametrize("falling", ["x", "y", "xy", ""])
-@pytest.mark.parametrize("classic", [False, True])
-@pytest.mark.parametrize("names", ["xy", "YX"])
-def test_decreasing_coordinates_are_reversed(falling, classic, names):
+def test_decreasing_coordinates_are_reversed():
     """Along named axes in any order."""
-    axes = {name: AXES[name.lower()] for name in names}
-    z = Z if names == "xy" else Z.T
-    for axis, name in enumerate(names):
-        if name.lower() in falling:
-            axes[name] = axes[name][::-1]
-            z = np.flip(z, axis)
-    netcdf.write("z.nc", z, axes, classic=classic)
-    topography = opened("z.nc")
-    assert is_map(1e9 * topography.rows(0, 12))
-    assert is_map(1e9 * topography.rows(3, 7), Z[3:7])
-    crop = ("0 m", "0 m", "0.3 um", "0.1 um")
-    cropped = hpc_gfmd.read_surface("z.nc", crop=crop, boundary="free")
-    assert is_map(1e9 * cropped.heights, Z[:3, :2])
+    for falling, classic, names in product(("x", "y", "xy", ""), (False, True), ("xy", "YX")):
+        axes = {name: AXES[name.lower()] for name in names}
+        z = Z if names == "xy" else Z.T
+        for axis, name in enumerate(names):
+            if name.lower() in falling:
+                axes[name] = axes[name][::-1]
+                z = np.flip(z, axis)
+        path = f"{names} {falling} {classic}.nc"
+        netcdf.write(path, z, axes, classic=classic)
+        topography = opened(path)
+        assert is_map(1e9 * topography.rows(0, 12)), path
+        assert is_map(1e9 * topography.rows(3, 7), Z[3:7])
+        crop = ("0 m", "0 m", "0.3 um", "0.1 um")
+        cropped = hpc_gfmd.read_surface(path, crop=crop, boundary="free")
+        assert is_map(1e9 * cropped.heights, Z[:3, :2])
 
 
 # Reasons of refusals

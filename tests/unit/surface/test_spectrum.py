@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from contacts import rough
+from contacts import rough, wave_numbers
 from refusal import refused
 
 import hpc_gfmd
@@ -23,16 +23,7 @@ def wall(n=(64, 64), **keys):
 def power_of(surface):
     """(|q|, L_x L_y |h_q|^2) of all modes of a surface, as arrays of its shape."""
     z = surface.heights
-    q = (
-        2
-        * np.pi
-        * np.hypot(
-            *np.meshgrid(
-                *(np.fft.fftfreq(n, size / n) for n, size in zip(z.shape, surface.sizes)),
-                indexing="ij",
-            )
-        )
-    )
+    q = wave_numbers(z.shape, surface.sizes)
     return q, np.prod(surface.sizes) * np.abs(np.fft.fft2(z) / z.size) ** 2
 
 

@@ -6,13 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contacts import random_heights
-from hypothesis import HealthCheck, example, given, settings
+from contacts import opened, random_heights
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from refusal import refused
-
-from hpc_gfmd.scene import File
-from hpc_gfmd.surface.topography import open_topography
 
 Z = np.round(20 * random_heights((240, 6)), 4)  # more lines than those that decide the layout
 KEYS = {"physical_sizes": (24.0, 0.6)}
@@ -28,10 +25,6 @@ HEADS = {
 ENCODINGS = ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1", "cp1252"]
 
 
-def opened(path):
-    return open_topography(File(kind="file", path=path, **KEYS))
-
-
 def body(mark, decimal, form, holes, token):
     """The heights as lines of text; form: format of numbers; token: text at the holes."""
     rows = [[f"{z:{form}}".replace(".", decimal) for z in row] for row in Z]
@@ -40,7 +33,7 @@ def body(mark, decimal, form, holes, token):
     return "\n".join(mark.join(row) for row in rows) + "\n"
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=60)
 @given(
     st.sampled_from(LAYOUTS),
     st.sampled_from(list(HEADS)),
@@ -59,7 +52,7 @@ def test_layouts_against_numpy(layout, head, encoding, end, form, holes, token):
     if head == "names":
         title = (mark if mark.strip() else "\t").join(title) + "\n"
     Path("z.txt").write_bytes((title + numbers).replace("\n", end).encode(encoding))
-    topography = opened("z.txt")
+    topography = opened("z.txt", **KEYS)
     plain = numbers.replace(decimal, ".").replace(token, "nan")
     wanted = np.genfromtxt(StringIO(plain), delimiter=None if set(mark) == {" "} else mark)
     assert np.isnan(wanted).sum() == len(holes)
@@ -71,7 +64,7 @@ def test_quoted_numbers_with_decimal_commas(mark):
     """The format of spreadsheets."""
     rows = [[f'"{z:.4f}"'.replace(".", ",") for z in row] for row in Z]
     Path("z.csv").write_text("\n".join(mark.join(row) for row in rows))
-    assert np.array_equal(opened("z.csv").rows(0, 240), Z)
+    assert np.array_equal(opened("z.csv", **KEYS).rows(0, 240), Z)
 
 
 DAMAGE = {
@@ -98,4 +91,4 @@ def test_damage_is_refused(line):
         lines[line] = change(lines[line])
         Path("z.txt").write_text("\n".join(lines) + "\n")
         with refused("surface.path"):
-            opened("z.txt").rows(0, 239)
+            opened("z.txt", **KEYS).rows(0, 239)
