@@ -44,6 +44,7 @@ from ..util.quantities import SI, format_quantity
 from .progress import Reporter
 from .table import GrowingTable
 
+MEAN_PRESSURES = "p_star", "pressure"  # loads whose values are p_star and p of the result
 # the last one is the worst
 STATUS_ORDER = "converged", "separated", "max_iterations", "stagnated", "nonfinite", "interrupted"
 
@@ -266,7 +267,7 @@ class Run:
         seconds_before: float = 0.0,
     ) -> SolvedLoad:
         begun = time.monotonic() - seconds_before
-        self.reporter.step(index, len(self.loads), *self._shown_target(index))
+        self.reporter.step(self._title(index))
         try:
             contact = self.sweep.solve(self.loads[index], self._watch(stops), unfinished)
         finally:
@@ -291,11 +292,13 @@ class Run:
 
         return watch
 
-    def _shown_target(self, index: int) -> tuple[str, float]:
-        """Return (name, value) of a load for the line of progress; p* for any pressure."""
-        for name, value in _target(self.scene.load, index).items():
-            return name.removeprefix("target_"), value
-        return "p*", self.loads[index].value / self.sweep.working.pressure_unit
+    def _title(self, index: int) -> str:
+        """Return number and target of a load for the line of progress; p* for any pressure."""
+        name, values = self.scene.load.prescribed
+        target = f"{name} = {values[index]:.4g}"
+        if name in MEAN_PRESSURES:
+            target = f"p* = {self.loads[index].value / self.sweep.working.pressure_unit:.4g}"
+        return f"load {index + 1}/{len(self.loads)}, {target}"
 
 
 def with_loads(scene: Scene, **loads: Iterable[float]) -> Scene:
@@ -318,7 +321,7 @@ def with_loads(scene: Scene, **loads: Iterable[float]) -> Scene:
 def _target(load: LoadTable, index: int) -> dict[str, float]:
     """Return {"target_NAME": value}, scene's units, of a load that is no pressure, else {}."""
     name, values = load.prescribed
-    return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
+    return {} if name in MEAN_PRESSURES else {f"target_{name}": float(values[index])}
 
 
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:

@@ -56,9 +56,9 @@ class Reporter:
             discard(self.out)
             self.out = None
 
-    def step(self, index: int, count: int, quantity: str, value: float) -> None:
-        """Begin to report on load `index`, which prescribes a value such as "p_star"."""
-        self.name = f"load {index + 1}/{count}, {quantity} = {value:.4g}"
+    def step(self, name: str) -> None:
+        """Begin to report on a load by its name: "load 1/2, p* = 0.05"."""
+        self.name = name
         self.begin_time = time.monotonic()
         self.line_time = self.begin_time
         self.first_error: float | None = None

@@ -1,7 +1,7 @@
 """Run a scene with files: the way from a command or a script to a result file.
 
-`run_scene` reads the scene, listens for signals and opens the result file. A `_Recorder` compiles
-the kernels, makes surface and loads (loads.py: Run), and writes each load when it is finished. A
+`run_scene` reads the scene, listens for signals, opens the result file, compiles the kernels, and
+makes surface and loads (loads.py: Run). A `_Recorder` writes each load when it is finished. A
 stopped run goes on later with the loads that are missing, from the gap of the one that was begun.
 """
 
@@ -41,7 +41,7 @@ from ..surface.number_range import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
 from .capacity import require_memory
-from .in_memory import Surfaces, surfaces_of_scene
+from .in_memory import surfaces_of_scene
 from .loads import Run, SolvedLoad, check, step_attributes, worst_status
 from .progress import Reporter
 from .solutions import Solutions
@@ -125,12 +125,16 @@ def run_scene(
         for line in [*file.notes, *scene.warnings(), oversubscription(comm, threads)]:
             if line:
                 reporter.say(f"note: {line}")
-        recorder = _Recorder(comm, scene, surfaces, file, reporter, interrupt)
+        compile_once(comm, scene, partial(step_attributes, scene, 0, seconds=0.0), reporter.say)
+        recorder: _Recorder | None = None
         exit_code = None
         try:
-            status = recorder.all_loads(recorder.prepare(begun))
-        except Stopped as stopped:
-            reporter.say(f"stopped: {recorder.progress_text()}; {how_to_continue}")
+            recorder = _Recorder(Run(scene, surfaces, reporter), file, interrupt)
+            recorder.write_head(threads, begun)
+            status = recorder.all_loads()
+        except Stopped as stopped:  # perhaps while the surface was made
+            progress = "no load had begun" if recorder is None else recorder.progress_text()
+            reporter.say(f"stopped: {progress}; {how_to_continue}")
             status = "interrupted"
             exit_code = stopped.exit_code
     steps = [*file.finished.values()]
@@ -144,55 +148,39 @@ def run_scene(
 
 
 class _Recorder:
-    """Solves the loads of a run and writes each to its file; `run` is None before `prepare`."""
+    """Solves the loads of a run and writes each to its file."""
 
-    def __init__(
-        self,
-        comm: Comm,
-        scene: Scene,
-        surfaces: Surfaces,
-        file: RunFile,
-        reporter: Reporter,
-        interrupt: Interrupt,
-    ) -> None:
-        self.comm = comm
-        self.scene = scene
-        self.surfaces = surfaces
+    def __init__(self, run: Run, file: RunFile, interrupt: Interrupt) -> None:
+        self.run = run
+        self.scene = run.scene
+        self.reporter = run.reporter
         self.file = file
-        self.reporter = reporter
         self.interrupt = interrupt
-        self.run: Run | None = None
         self.unfinished = ""  # the load that was stopped before it converged, for messages
 
     def progress_text(self) -> str:
         """Return how far the run has got, for a message: "2 of 5 loads are finished, ..."."""
-        if self.run is None:
-            return "no load had begun"
         count = len(self.file.finished)
         are = "is" if count == 1 else "are"
         return f"{count} of {len(self.run.loads)} loads {are} finished{self.unfinished}"
 
-    def prepare(self, begun: float) -> Run:
-        """Compile kernels, make surface and loads, write the head. Collective."""
-        scene = self.scene
-        reporter = self.reporter
-        compile_once(
-            self.comm, scene, partial(step_attributes, scene, 0, seconds=0.0), reporter.say
-        )
-        self.run = run = Run(scene, self.surfaces, reporter)
+    def write_head(self, threads: int, begun: float) -> None:
+        """Write the surface, once it has passed all checks, and tell about it; threads: of a rank;
+        begun: time at which the preparation began. Collective.
+        """
+        run = self.run
         surface = run.surface
         self._require_the_same_heights(surface)
         self._require_storable(surface, *(load.value for load in run.loads if load.is_pressure))
         self.file.update(
             run.attributes,
-            heights_of(surface) if "heights" in scene.output.fields else None,
+            heights_of(surface) if "heights" in self.scene.output.fields else None,
             heights=surface.checksum or "",
             setup_seconds=time.monotonic() - begun,
         )
         for note in run.attributes.get("notes", []):
-            reporter.say(f"note: {note}")
-        reporter.say(self._headline(run, time.monotonic() - begun))
-        return run
+            self.reporter.say(f"note: {note}")
+        self.reporter.say(self._headline(threads, time.monotonic() - begun))
 
     def _require_the_same_heights(self, surface: Surface) -> None:
         earlier = self.file.earlier.get("heights")
@@ -203,34 +191,36 @@ class _Recorder:
                 " or size), allowed: the same; run with --force for the new ones"
             )
 
-    def all_loads(self, run: Run) -> str:
+    def all_loads(self) -> str:
         """Solve the missing loads, write the result, return the worst status. Collective."""
+        run = self.run
         finished = self.file.finished
         run.show(finished)
         missing = [index for index in range(len(run.loads)) if index not in finished]
         if missing:
-            self.file.require_space(len(missing), self._types_of_fields(run, missing))
+            self.file.require_space(len(missing), self._types_of_fields(missing))
             self.interrupt.require_time()
-            self._solve(run, missing)
+            self._solve(missing)
         status = worst_status([*self.file.finished.values()])
         self.file.finish(status)
         for line in run.table.end():
             self.reporter.say(line)
         return status
 
-    def _types_of_fields(self, run: Run, missing: list[int]) -> list[np.dtype]:
+    def _types_of_fields(self, missing: list[int]) -> list[np.dtype]:
         """Return the types of the fields of missing loads, double where a load may need it."""
-        forecast = precisions(self.scene, self.surfaces.size.n, np.float64)
-        of_loads = [np.result_type(run.sweep.dtype, forecast[index]) for index in missing]
+        n_x, n_y = self.run.surface.n
+        forecast = precisions(self.scene, (n_x, n_y), np.float64)
+        of_loads = [np.result_type(self.run.sweep.dtype, forecast[index]) for index in missing]
         count = len([name for name in self.scene.output.fields if name in FIELDS])
         return of_loads * count
 
-    def _solve(self, run: Run, missing: list[int]) -> None:
+    def _solve(self, missing: list[int]) -> None:
         """Solve and write these loads, one that has to stop with its gap alone. Collective."""
+        run = self.run
         if run.history is not None and missing[0] > 0:
             self._recall(run.history, missing[0] - 1)
-        unfinished_of = partial(self._unfinished, run)
-        for load in run.solve(missing, self.interrupt.poll, unfinished_of):
+        for load in run.solve(missing, self.interrupt.poll, self._unfinished):
             index = load.index
             if load.contact.status == "interrupted":
                 self._keep_gap(load)
@@ -250,7 +240,6 @@ class _Recorder:
         self._require_storable(contact.surface, contact.wall_pressure)
         names = self.scene.output.fields
         fields: dict[str, Any] = {name: contact.field(name) for name in names if name in FIELDS}
-        assert self.run is not None  # it has solved the load
         history = self.run.history
         # a surface that varies along one axis only is solved again, which takes no time
         if history is not None and contact.surface.reduced_axis is None:
@@ -278,7 +267,6 @@ class _Recorder:
         """Write the gap of a stopped load unless it takes no time (one axis only). Collective."""
         contact = load.contact
         if contact.surface.reduced_axis is None:
-            assert self.run is not None  # it has solved the load
             numbers = {
                 "p": contact.p_mean,
                 "seconds": load.seconds,
@@ -290,9 +278,9 @@ class _Recorder:
             gap = {"gap": contact.g}
             self.file.write_state(CHECKPOINT, load.index, gap, numbers, contact.grid)
 
-    def _unfinished(self, run: Run, index: int) -> tuple[Unfinished, float] | None:
+    def _unfinished(self, index: int) -> tuple[Unfinished, float] | None:
         """Return (state, seconds) of a stopped load; None, with a note if unusable. Collective."""
-        grid = run.surface.grid
+        grid = self.run.surface.grid
         try:
             checkpoint = self.file.state(CHECKPOINT, index)
             if checkpoint is None or checkpoint.indices != [index]:
@@ -326,11 +314,11 @@ class _Recorder:
                         ' allowed: "double"'
                     )
 
-    def _headline(self, run: Run, seconds: float) -> str:
+    def _headline(self, threads: int, seconds: float) -> str:
         """Return the line on surface, ranks and precision; `seconds`: time of the preparation."""
         scene = self.scene
-        threads = self.surfaces.threads
-        ranks = self.comm.size
+        run = self.run
+        ranks = self.file.comm.size
         settings = scene.solver
         precision = first_of_scene(scene).name
         if settings.precision == "auto" and precision == "float32":
