@@ -166,6 +166,7 @@ def as_dict(law: InterfaceLaw) -> dict:
 def as_text(law: InterfaceLaw) -> str:
     """Return a law as text: its remarks, a table of values with errors, when channels close."""
     from ..output.summary import with_error
+    from ..runs.table import aligned
 
     headings = ["pressure", *law.values]
     units = [law.units[name] for name in headings]
@@ -176,9 +177,7 @@ def as_text(law: InterfaceLaw) -> str:
             for name, values in law.values.items()
         )
         rows.append([f"{pressure:.4g}", *numbers])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(map(str.rjust, row, widths)).rstrip() for row in rows]
-    return "\n".join([*law.about, *lines, *_tightness(law)])
+    return "\n".join([*law.about, *aligned(rows), *_tightness(law)])
 
 
 def _tightness(law: InterfaceLaw) -> list[str]:

@@ -35,6 +35,7 @@ def main(args: Namespace) -> int:
     """Print grid, memory and time of a scene; SceneError, afterwards, if it does not fit here."""
     from ..parallel.thread_count import auto_threads, ranks_per_node
     from ..runs.loads import check
+    from ..runs.memory import ADVICE
     from ..runs.plan import plan_of, text_of
     from ..scene import load_scene
     from ..surface import surface_size
@@ -67,7 +68,6 @@ def main(args: Namespace) -> int:
     if gib > gib_available:
         raise SceneError(
             f"surface: {n_x} x {n_y} points need {gib:.2f} GiB on {ranks_here} of {args.ranks}"
-            f" ranks, this machine has {gib_available:.2f} GiB: use more machines, fewer points or"
-            " single precision"
+            f" ranks, this machine has {gib_available:.2f} GiB: {ADVICE}"
         )
     return 0

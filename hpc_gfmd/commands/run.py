@@ -47,15 +47,14 @@ def main(args: Namespace) -> int:
     from ..runs.simulation import run_scene
     from ..scene import load_scene
 
-    scene = None
+    scene = on_rank_0(world(), "reading the scene", lambda: load_scene(args.scene, args.set))
     if args.halve_steps:
-        scene = on_rank_0(world(), "reading", lambda: load_scene(args.scene, args.set))
         require_steps(scene)
-    result = run_scene(args.scene, args.set, args.output, force=args.force, quiet=args.quiet)
+    result = run_scene(scene, out=args.output, force=args.force, quiet=args.quiet)
     is_finished = result.exit_code in (0, 3)
     if args.plot and is_finished and result.path is not None and world().rank == 0:
         _plot(result.path)
-    if scene is not None and is_finished:
+    if args.halve_steps and is_finished:
         text = text_of(changes_by_halving(scene, result.steps, world()))
         if world().rank == 0:
             print(text)

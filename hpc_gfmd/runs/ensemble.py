@@ -14,7 +14,7 @@ from ..output.summary import with_error
 from ..util.errors import SceneError
 from .solution import Solution
 from .solutions import Solutions, load
-from .table import EFFORT, RESULTS, TARGETS, aligned, column_scale, named_observables
+from .table import EFFORT, RESULTS, TARGETS, aligned, column_scale, html, named_observables
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -235,10 +235,7 @@ class Ensemble:
         return f"<ensemble of {len(self)} results>\n{self.table()}"
 
     def _repr_html_(self) -> str:
-        from pandas import DataFrame
-
-        html = DataFrame(self._cells()).to_html(header=False, index=False, border=0)
-        return f"{html}\n<small>mean and standard deviation of {len(self)} results</small>"
+        return html(self._cells(), [f"mean and standard deviation of {len(self)} results"])
 
 
 def _solutions(result: Any, number: int) -> Solutions:

@@ -44,7 +44,7 @@ from .pull_off import PullOff
 from .solutions import Solutions
 from .surfaces import surface_of_topography
 
-Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography
+Heights = Any  # an array, a PreparedSurface, a Topography of SurfaceTopography, or a scene
 Kept = dict[np.dtype, Surface]  # surfaces by precision
 DOUBLE = np.dtype(np.float64)
 SMALL = 2**16  # points of a surface that is made once, in double precision, and kept in both
@@ -57,12 +57,29 @@ _surfaces: WeakKeyDictionary[PreparedSurface, dict[bool, Kept]] = WeakKeyDiction
 # -- the scene and its surface
 
 
-def scene_of(
+def is_scene(surface: Any) -> bool:
+    """Whether an argument is a scene or the path of one, which ends in .toml."""
+    is_path = isinstance(surface, str | PathLike) and str(surface).endswith(".toml")
+    return is_path or isinstance(surface, Scene)
+
+
+def scene_and_surface(
+    comm: Comm, heights: Heights, arguments: dict[str, Any]
+) -> tuple[Scene, "Surfaces"]:
+    """Return the validated scene for the arguments of `solve`, and what makes its surface.
+    SceneError on all ranks, also where arguments differ between ranks. Collective.
+    """
+    if is_scene(heights):
+        scene = _changed(comm, heights, arguments)
+        return scene, surfaces_of_scene(comm, scene)
+    scene, wall = _scene_of(comm, heights, arguments)
+    return scene, _surfaces_of(comm, scene, wall)
+
+
+def _scene_of(
     comm: Comm, heights: Heights, arguments: dict[str, Any]
 ) -> tuple[Scene, np.ndarray | PreparedSurface]:
-    """Return the validated scene and heights for the arguments of `solve`. SceneError on all ranks,
-    also where they differ between ranks. Collective.
-    """
+    """Return the scene and the heights for heights in memory. Collective."""
     with collective_errors(comm, "reading the arguments"):
         wall = heights
         if is_topography(heights):
@@ -87,8 +104,8 @@ def _require_boundary(heights: np.ndarray, scene: Scene) -> None:
             raise SceneError(question)
 
 
-def changed(comm: Comm, scene: Scene | str | PathLike, arguments: dict[str, Any]) -> Scene:
-    """Return the scene that is given to `solve`, with its other arguments. Collective."""
+def _changed(comm: Comm, scene: Scene | str | PathLike, arguments: dict[str, Any]) -> Scene:
+    """Return the scene that is given, with the other arguments. Collective."""
 
     def read() -> Scene:
         original = scene if isinstance(scene, Scene) else load_scene(scene)
@@ -191,7 +208,7 @@ def surfaces_of_scene(
     return Surfaces(comm, threads, size, make, {} if keep and not low_memory else None)
 
 
-def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) -> Surfaces:
+def _surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) -> Surfaces:
     """Return what makes the surface of a scene from heights in memory."""
     array = np.asarray(_array_of(wall))
     rows = StoredRows(array)

@@ -1,6 +1,5 @@
 """The scene that the keywords of a Python call describe; each goes to the table of its key."""
 
-from os import PathLike
 from typing import Any, NoReturn
 
 import numpy as np
@@ -116,9 +115,3 @@ def several_loads(arguments: dict[str, Any]) -> bool | None:
     values = [arguments.get(key) for key in (*LOADS, "time")]
     dimensions = [np.ndim(value) for value in values if value is not None]
     return any(dimensions) if dimensions else None
-
-
-def is_scene(surface: Any) -> bool:
-    """Whether an argument is a scene or the path of one, which ends in .toml."""
-    is_path = isinstance(surface, str | PathLike) and str(surface).endswith(".toml")
-    return is_path or isinstance(surface, Scene)

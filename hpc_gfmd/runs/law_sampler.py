@@ -16,8 +16,7 @@ from ..parallel.guard import on_rank_0
 from ..parallel.world import comm_of
 from ..scene import Scene, load_scene
 from ..util.errors import SceneError
-from .in_memory import Surfaces, kernels_ready, scene_of, surfaces_of, surfaces_of_scene
-from .keywords import is_scene
+from .in_memory import Surfaces, is_scene, kernels_ready, scene_and_surface, surfaces_of_scene
 from .loads import Run, check, with_loads
 from .progress import Reporter
 
@@ -95,8 +94,8 @@ class Sampler:
         """Return a scene of heights in memory, and what makes their surface."""
         accuracy = {"accuracy": self.accuracy} if "residual" not in keys else {}
         arguments = {"pressure": self.pressure} | accuracy | dict(keys)
-        scene, wall = scene_of(self.comm, heights, arguments)
-        return self._of_law(scene), surfaces_of(self.comm, scene, wall)
+        scene, surfaces = scene_and_surface(self.comm, heights, arguments)
+        return self._of_law(scene), surfaces
 
     def _of_law(self, scene: Scene) -> Scene:
         """Return a scene whose load and output are those of the law."""

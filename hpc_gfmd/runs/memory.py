@@ -1,10 +1,19 @@
-"""Forecast of the memory of a scene on each rank: never too low, and at most 25 % too high."""
+"""Forecast of the memory of a scene on each rank, never too low and at most 25 % too high, and the
+check that a machine has it.
+"""
 
+import platform
 from math import prod
 
+from ..driver.precision import least_precision
+from ..parallel.comm import Comm
+from ..parallel.guard import raise_on_all
 from ..scene import Scene
 from ..surface import Size, cell_of
-from ..util.machine import GIB
+from ..util.errors import SceneError
+from ..util.machine import GIB, available_gib, limit_gib
+
+ADVICE = "use more machines, fewer points or single precision"
 
 # Bytes per point of the grid and rank, by (bytes of a number, low memory, axes with free edges): on
 # one rank, for one load and for several (which keep the one before); on several ranks, likewise.
@@ -70,3 +79,29 @@ def memory_of(scene: Scene, size: Size, itemsize: int, ranks: int, threads: int 
     if getattr(scene.surface, "has_distribution", False):
         nbytes = max(nbytes, RANKED * cell[0] * cell[1])
     return nbytes / GIB + PROCESS_GIB + threads * THREAD_GIB
+
+
+def require_memory(comm: Comm, scene: Scene, size: Size, threads: int) -> None:
+    """Raise SceneError on all ranks if a machine has, or its limits (ulimit -v, machine.memory_gib)
+    allow, less memory than the lowest possible precision needs. Collective.
+    """
+    single = memory_of(scene, size, 4, comm.size, threads)
+    double = memory_of(scene, size, 8, comm.size, threads)
+    gib_per_rank = double if least_precision(scene, prod(size.n)).itemsize == 8 else single
+    gib_of_limit = float(comm.min([limit_gib()])[0])
+    n_x, n_y = size.n
+    if gib_per_rank > gib_of_limit:
+        raise SceneError(
+            f"surface: {n_x} x {n_y} points need {gib_per_rank:.2f} GiB on each of {comm.size}"
+            f" ranks, a process may have {max(gib_of_limit, 0.0):.2f} GiB more (ulimit -v): raise"
+            " the limit, use more ranks, fewer points or single precision"
+        )
+    gib = comm.machine.size * gib_per_rank
+    gib_available = scene.machine.memory_gib or float(comm.machine.min([available_gib()])[0])
+    error = None
+    if gib > gib_available:
+        error = SceneError(
+            f"surface: {n_x} x {n_y} points need {gib:.2f} GiB on {comm.machine.size} of"
+            f" {comm.size} ranks, {platform.node()} has {gib_available:.2f} GiB: {ADVICE}"
+        )
+    raise_on_all(comm, error)

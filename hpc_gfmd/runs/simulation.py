@@ -40,9 +40,9 @@ from ..surface import Surface, grid_of
 from ..surface.number_range import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
-from .capacity import require_memory
 from .in_memory import surfaces_of_scene
 from .loads import Run, SolvedLoad, check, step_attributes, worst_status
+from .memory import require_memory
 from .progress import Reporter
 from .solutions import Solutions
 

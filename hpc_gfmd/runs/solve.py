@@ -11,8 +11,8 @@ from ..parallel.world import comm_of
 from ..scene import Scene
 from ..surface.doubtful_numbers import load_notes
 from ..util.errors import NotConverged, SurfaceWarning, each_once
-from .in_memory import Heights, changed, scene_of, solve_loads, surfaces_of, surfaces_of_scene
-from .keywords import is_scene, several_loads
+from .in_memory import Heights, is_scene, scene_and_surface, solve_loads
+from .keywords import several_loads
 from .prepared import PreparedSurface
 from .pull_off import require_pull
 from .solution import Solution
@@ -203,22 +203,13 @@ def solve(
     }
     comm = comm_of(comm)
     several = several_loads(arguments)
-    if is_scene(heights):
-        scene = changed(comm, heights, arguments)
-        surfaces = surfaces_of_scene(comm, scene)
-        several = several is not False
-    else:
-        scene, wall = scene_of(comm, heights, arguments)
-        surfaces = surfaces_of(comm, scene, wall)
+    if several is None:
+        several = is_scene(heights)
+    scene, surfaces = scene_and_surface(comm, heights, arguments)
     if pull_off_error is not None:
-        require_pull(scene, pull_off_error, bool(several))
+        require_pull(scene, pull_off_error, several)
     solutions, facts = solve_loads(
-        comm,
-        scene,
-        surfaces,
-        progress,
-        keep_interrupted=bool(several),
-        pull_off_error=pull_off_error,
+        comm, scene, surfaces, progress, keep_interrupted=several, pull_off_error=pull_off_error
     )
     told_before = heights.notes if isinstance(heights, PreparedSurface) else ()
     if comm.rank == 0:

@@ -113,15 +113,21 @@ def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
 
 def html_table(result: Result, across: bool = True) -> str:
     """Return a result as an HTML table, steps as rows or columns, surface and notes below."""
-    from pandas import DataFrame
-
     steps = result.numbered
     surface = result.surface
     observables = named_observables(result)
-    rows = DataFrame(cells(steps, surface, observables))
-    shown = (rows if across else rows.T[1:]).to_html(header=False, index=False, border=0)
+    rows = cells(steps, surface, observables)
+    if not across:
+        _, *rows = [list(column) for column in zip(*rows)]  # without the numbers of the steps
     notes = (f"note: {note}" for note in result.notes)
-    below = [surface_line(surface), *remarks(steps, surface, observables), *notes]
+    return html(rows, [surface_line(surface), *remarks(steps, surface, observables), *notes])
+
+
+def html(rows: list[list[str]], below: Iterable[str]) -> str:
+    """Return rows of cells as an HTML table, with lines below."""
+    from pandas import DataFrame
+
+    shown = DataFrame(rows).to_html(header=False, index=False, border=0)
     return f"{shown}\n<small>{'<br>'.join(map(escape, below))}</small>"
 
 

@@ -10,7 +10,7 @@ from refusal import refused
 from scene_tables import rows, scene_of
 
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.runs import capacity, memory
+from hpc_gfmd.runs import memory
 from hpc_gfmd.runs.plan import plan_of
 from hpc_gfmd.surface import surface_size
 from hpc_gfmd.surface.prepare import prepare
@@ -36,7 +36,7 @@ def write_group(folder, limit, used, cached=0, version=2):
 
 def assert_too_little(words):
     with refused(words):
-        capacity.require_memory(SerialComm(), SCENE, surface_size(SCENE.surface), 1)
+        memory.require_memory(SerialComm(), SCENE, surface_size(SCENE.surface), 1)
 
 
 @pytest.mark.parametrize(
