@@ -227,7 +227,7 @@ def _law_of(text: str) -> InterfaceLaw:
     """Return the law in a text of `_csv`; KeyError, ValueError or AttributeError for others."""
     from pandas import read_csv
 
-    table = read_csv(StringIO(text), comment="#")
+    table = read_csv(StringIO(text), comment="#", float_precision="round_trip")
     units = {}
     columns = {}
     for heading in table.columns:
