@@ -36,7 +36,7 @@ FEW = 3.0
 # on the same walls.
 TIED = 4.0
 # Ties count as such once the rms error of the pressure is below so many times theirs. Measured: at
-# 1 an area of nearly ordered points stagnates, at 10 a second point that just touches is missed.
+# 1 an area of nearly ordered points stagnates, at 11 a second point that just touches is missed.
 SETTLED = 4.0
 # smallest number in each bin of a histogram, over the largest of all
 SMALLEST = np.append(2.0 ** (-np.arange(1, BINS) / PER_OCTAVE), 0.0)

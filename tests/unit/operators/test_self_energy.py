@@ -12,9 +12,9 @@ from hpc_gfmd.surface.cell import grid_of
 
 
 @pytest.mark.parametrize("sizes", [(1.0, 1.0), (4.0, 1.0), (1.0, 16.0)])
+@pytest.mark.parametrize("n", [(24, 20), (256, 256)])  # in cells of 4 and 1.5 times the width
 @pytest.mark.parametrize("free", [(True, True), (True, False), (False, True), (False, False)])
-def test_bound(free, sizes):
-    n = 24, 20
+def test_bound(free, n, sizes):
     grid = grid_of(n, sizes, SerialComm(), free)
     elastic = Elastic(grid, body_of(Material(), free), np.float64)
     nominal = np.zeros(grid.n)
