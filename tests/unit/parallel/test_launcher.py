@@ -3,6 +3,7 @@
 import os
 import sys
 from pathlib import Path
+from unittest import mock
 
 import pytest
 from contacts import WAVE_SCENE
@@ -141,12 +142,13 @@ def test_enclosing_mpi_program(chain, program, tmp_path, monkeypatch):
         ("raise ImportError('libmpi.so.40: cannot open')", ["libmpi.so.40", "--no-binary=mpi4py"]),
     ],
 )
+@mock.patch.dict(sys.modules)  # what is imported here is forgotten
 def test_message_without_mpi(package, words, tmp_path, monkeypatch):
     """A missing mpi4py and one that does not find its library give different messages."""
     for name in [name for name in sys.modules if name.partition(".")[0] == "mpi4py"]:
-        monkeypatch.delitem(sys.modules, name)
+        del sys.modules[name]
     if package is None:
-        monkeypatch.setitem(sys.modules, "mpi4py", None)
+        sys.modules["mpi4py"] = None
     else:
         (tmp_path / "mpi4py").mkdir()
         Path("mpi4py/__init__.py").write_text("__version__ = '4'\n")

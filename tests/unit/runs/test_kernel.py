@@ -14,6 +14,8 @@ import sys, warnings
 import numpy as np
 import hpc_gfmd
 warnings.simplefilter("error")
+# of pyparsing, when an older Matplotlib calls it
+warnings.filterwarnings("ignore", category=DeprecationWarning, module="matplotlib|pyparsing")
 wall = np.add.outer(np.arange(8) % 3, np.arange(8) % 2) * 0.01
 sweep = hpc_gfmd.solve(wall, p_star=[0.1, 0.2])
 """
