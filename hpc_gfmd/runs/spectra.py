@@ -1,13 +1,15 @@
 """From a surface to its power spectrum, by SurfaceTopography."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
 from ..surface.instruments import is_topography
 from ..surface.spectra import Spectrum, of_isotropic_surface
-from ..util.errors import SceneError, one_line
+from ..util.errors import SceneError, is_mistake, one_line
 from ..util.libraries import surface_topography
 from .prepared import PreparedSurface
 from .surfaces import prepare_surface
@@ -74,24 +76,17 @@ def spectrum_of(
         if of == "area"
         else topography.power_spectrum_from_profile
     )
-    try:
-        q, C, *_ = function(window=window, reliable=reliable, nb_points_per_decade=per_decade)
-    except Exception as error:
-        raise SceneError(f"spectrum_of: {one_line(str(error) or type(error).__name__)}") from None
-    spectrum = _spectrum(q, C, unit)
+    keys = {"window": window, "reliable": reliable, "nb_points_per_decade": per_decade}
+    spectrum = _spectrum(partial(function, **keys), unit)
     return _of_surface(spectrum) if of == "profiles" else spectrum
 
 
 def _of_container(container: Any, per_decade: int, reliable: bool, window: Any) -> Spectrum:
     """Return the spectrum of a container of SurfaceTopography, from the profiles of all it has."""
-    keys = {} if window is None else {"window": window}
-    try:
-        q, C, *_ = container.power_spectrum(
-            "m", nb_points_per_decade=per_decade, reliable=reliable, **keys
-        )
-    except Exception as error:
-        raise SceneError(f"spectrum_of: {one_line(str(error) or type(error).__name__)}") from None
-    return _of_surface(_spectrum(q, C, "m"))
+    keys: dict[str, Any] = {"nb_points_per_decade": per_decade, "reliable": reliable}
+    if window is not None:
+        keys["window"] = window
+    return _of_surface(_spectrum(partial(container.power_spectrum, "m", **keys), "m"))
 
 
 def _topography(surface: Any, keys: dict[str, Any]) -> tuple[Any, str]:
@@ -108,8 +103,14 @@ def _topography(surface: Any, keys: dict[str, Any]) -> tuple[Any, str]:
     return made, surface.unit
 
 
-def _spectrum(q: Any, C: Any, unit: str) -> Spectrum:
-    """Return the spectrum of bins, of which empty ones are left out."""
+def _spectrum(bins: Callable[[], Any], unit: str) -> Spectrum:
+    """Return the spectrum of bins (q, C, ...) of SurfaceTopography, without empty ones."""
+    try:
+        q, C, *_ = bins()
+    except Exception as error:
+        if is_mistake(error):
+            raise
+        raise SceneError(f"spectrum_of: {one_line(str(error) or type(error).__name__)}") from None
     q, C = (np.ma.filled(np.ma.asarray(values, dtype=float), np.nan) for values in (q, C))
     filled = np.isfinite(q) & np.isfinite(C) & (q > 0) & (C > 0)
     return Spectrum(q[filled], C[filled], unit)

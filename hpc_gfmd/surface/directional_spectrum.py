@@ -7,7 +7,7 @@ from typing import Self
 import h5py
 import numpy as np
 
-from ..util.errors import SceneError, one_line
+from ..util.errors import SceneError, is_mistake, one_line
 from .statistics import Roughness
 
 NAMES = ("q_x", "q_y", "C")
@@ -48,6 +48,8 @@ def read_directional(path: str) -> DirectionalSpectrum:
         with np.load(path) if Path(path).suffix == ".npz" else h5py.File(path) as file:
             arrays = [np.asarray(file[name][()], float) for name in NAMES]
     except Exception as error:
+        if is_mistake(error) and not isinstance(error, TypeError):  # of an array without numbers
+            raise
         reason = one_line(str(error) or type(error).__name__)
         raise SceneError(
             f"surface.path: cannot read {path}: {reason}, allowed: arrays {', '.join(NAMES)}"

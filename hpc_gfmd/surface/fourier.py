@@ -13,7 +13,7 @@ import numpy as np
 
 from ..parallel.guard import on_rank_0
 from ..scene import has_unit
-from ..util.errors import SceneError, one_line
+from ..util.errors import SceneError, is_mistake, one_line
 from ..util.quantities import factor
 from .modes import Modes
 
@@ -92,6 +92,8 @@ def _read(spec: Any) -> Coefficients:
     except SceneError:
         raise
     except Exception as error:
+        if is_mistake(error) and not isinstance(error, TypeError):  # of an array without numbers
+            raise
         reason = one_line(str(error))
         raise SceneError(f"surface.path: cannot read {path}: {reason}, allowed: {FORMS}") from None
     if indices is None:

@@ -1,5 +1,7 @@
 """Spectra of surfaces: the table of which a wall was made comes back, and goes to finer waves."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -63,6 +65,15 @@ def test_waves_that_the_tip_does_not_show_are_left_out(wall):
     blunt = Topography(1e9 * wall.heights, (1e5, 1e5), unit="nm", periodic=True, info=tip)
     assert hpc_gfmd.spectrum_of(blunt).q[-1] < hpc_gfmd.spectrum_of(wall).q[-1] / 2
     assert len(hpc_gfmd.spectrum_of(blunt, reliable=False).q) == len(hpc_gfmd.spectrum_of(wall).q)
+
+
+def test_what_the_library_refuses_is_an_error_of_the_user_and_a_mistake_is_not(wall):
+    for wrong in ({"per_decade": "a"}, {"window": "none such"}):
+        with pytest.raises(SceneError, match=r"^spectrum_of: "):
+            hpc_gfmd.spectrum_of(wall, **wrong)
+    container = SimpleNamespace(power_spectrum=lambda unit: None)  # is called with more
+    with pytest.raises(TypeError, match="unexpected keyword"):
+        hpc_gfmd.spectrum_of(container)
 
 
 def test_extension_to_finer_waves_by_its_own_exponent():

@@ -9,6 +9,7 @@ from contacts import random_heights
 from refusal import refused
 
 import hpc_gfmd
+from hpc_gfmd.surface import fourier
 
 
 def wall(path, n, **keys):
@@ -57,6 +58,16 @@ def test_units_of_coefficients(tmp_path):
     made = wall(path, (8, 8), unit="nm", physical_sizes=("1 um", "1 um"))
     assert np.ptp(made.heights) == pytest.approx(4e-9)
     assert made.unit == "m"
+
+
+def test_arrays_without_numbers_are_refused_and_mistakes_are_not(tmp_path, monkeypatch):
+    path = tmp_path / "c.npz"
+    np.savez(path, indices=[[1, 0]], coefficients=np.zeros(1, "f8, U3"))
+    with refused(r"cannot read .*: Cannot cast array data"):
+        wall(path, (8, 8))
+    monkeypatch.setattr(fourier, "h5py", None)
+    with pytest.raises(AttributeError):
+        wall(path, (8, 8))
 
 
 WRONG = [

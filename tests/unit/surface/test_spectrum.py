@@ -8,6 +8,7 @@ from contacts import rough, wave_numbers
 from refusal import refused
 
 import hpc_gfmd
+from hpc_gfmd.surface import directional_spectrum
 from hpc_gfmd.surface.spectra import Spectrum, of_isotropic_surface
 from hpc_gfmd.util.errors import SceneError
 
@@ -178,6 +179,16 @@ def test_bad_arrays_are_refused(tmp_path):
         np.savez(tmp_path / "C.npz", **arrays | change)
         with pytest.raises(SceneError, match=words):
             wall(path=str(tmp_path / "C.npz"))
+
+
+def test_arrays_without_numbers_are_refused_and_mistakes_are_not(tmp_path, monkeypatch):
+    path = str(tmp_path / "C.npz")
+    np.savez(path, q_x=np.zeros(2, "f8, U3"), q_y=[0.0, 7.0], C=np.ones((2, 2)))
+    with pytest.raises(SceneError, match=r"cannot read .*: Cannot cast array data"):
+        wall(path=path)
+    monkeypatch.setattr(directional_spectrum, "np", None)
+    with pytest.raises(AttributeError):
+        directional_spectrum.read_directional(path)
 
 
 def moments(z):
