@@ -24,12 +24,6 @@ def attraction(kappa, reach, law="exponential"):
     return {"work": kappa * np.pi * reach**2, "range": reach, "law": law}
 
 
-def retracted(surface, adhesion, load=LOAD, **options):
-    """The contact at a load that is approached from much larger loads."""
-    loads = [8.0, 1.0, 0.3, load]
-    return hpc_gfmd.solve(surface, loads, adhesion=adhesion, branch="retraction", **options)[-1]
-
-
 def ball(n, tabor=1.0):
     """(surface, attraction, JKR theory) of a ball of radius 1 in a cell of size 1.
 

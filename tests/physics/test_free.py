@@ -15,7 +15,7 @@ from contacts import EXACT, field, random_heights, relative, rough, surface_over
 from physics import free_patch
 from scipy.stats import norm
 
-from hpc_gfmd.bodies.free import ROUNDED, Free
+from hpc_gfmd.bodies.free import ROUNDED
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.contact import all_observables
 from hpc_gfmd.solvers import solver_names
@@ -192,20 +192,6 @@ def test_against_other_codes(load):
     assert ((by_cells > 0) == (pressure_of_codes > 0)).all()
 
 
-@pytest.mark.parametrize("offset", [(0, 0), (32, 32), (5, 41)])
-def test_more_free_space_changes_nothing(offset):
-    """The same surface on top of a larger and much lower one, at any place."""
-    z = random_heights((32, 32), seed=5)
-    wider = np.full((96, 96), z.min() - 100.0)
-    patch = slice(offset[0], offset[0] + 32), slice(offset[1], offset[1] + 32)
-    wider[patch] = z
-    alone = sweep_over(z).solve(0.5)
-    inside = sweep_over(wider, (3.0, 3.0)).solve(0.5 / 9)
-    assert relative(field(inside, "pressure")[patch], field(alone, "pressure")) < Free.error
-    assert observe(inside, "approach") == pytest.approx(observe(alone, "approach"), rel=Free.error)
-    assert inside.contact_points == alone.contact_points
-
-
 @pytest.mark.parametrize("name", solver_names())
 @pytest.mark.parametrize("free", [BOTH, (True, False), (False, True)])
 def test_every_solver(name, free):
@@ -242,14 +228,6 @@ def test_rough(boundary, solver):
     assert observe(step, "a_r") == pytest.approx(observe(exact, "a_r"), rel=2e-3)
     assert observe(step, "a_r") == np.mean(p > 0)
     assert np.mean(p, dtype=float) == pytest.approx(0.05, rel=1e-3)
-
-
-def test_energy_is_the_work_done():
-    """dU = F d(approach)."""
-    sweep = sweep_over(random_heights((40, 40), seed=2))
-    low, high = (sweep.solve(p) for p in (0.2, 0.2002))
-    work = 0.2001 * (observe(high, "approach") - observe(low, "approach"))
-    assert observe(high, "energy") - observe(low, "energy") == pytest.approx(work, rel=1e-4)
 
 
 def test_a_flat_square_is_a_punch():
