@@ -27,11 +27,9 @@ from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.thread_count import threads_of
 from ..scene import Scene, load_scene
 from ..surface import Precision, Size, Surface, build_surface, open_surface, precision_of
-from ..surface.analytic import StoredRows
 from ..surface.build import surface_of
-from ..surface.heights import complete_array
-from ..surface.instruments import is_topography
-from ..surface.prepare import mirrored
+from ..surface.heights import StoredRows, array_of
+from ..surface.metadata import is_topography
 from ..surface.quality import edges_of
 from ..surface.topography import Topography
 from ..util.errors import SceneError, SurfaceWarning
@@ -72,36 +70,50 @@ def scene_and_surface(
     if is_scene(heights):
         scene = _changed(comm, heights, arguments)
         return scene, surfaces_of_scene(comm, scene)
-    scene, wall = _scene_of(comm, heights, arguments)
-    return scene, _surfaces_of(comm, scene, wall)
+    scene, topography, prepared = _scene_and_map(comm, heights, arguments)
+    return scene, _surfaces_of(comm, scene, topography, prepared)
 
 
-def _scene_of(
+def _scene_and_map(
     comm: Comm, heights: Heights, arguments: dict[str, Any]
-) -> tuple[Scene, np.ndarray | PreparedSurface]:
-    """Return the scene and the heights for heights in memory. Collective."""
+) -> tuple[Scene, Topography, PreparedSurface | None]:
+    """Return the scene for heights in memory, and these as a map; with the PreparedSurface that
+    they are, if they are one. Collective.
+    """
     with collective_errors(comm, "reading the arguments"):
-        wall = heights
         if is_topography(heights):
-            wall = surface_of_topography(heights, arguments.get("boundary"))
+            heights = surface_of_topography(heights, arguments.get("boundary"))
             arguments = arguments | {"boundary": None}
-        prepared = wall if isinstance(wall, PreparedSurface) else None
+        prepared = heights if isinstance(heights, PreparedSurface) else None
         scene = scene_of_keywords(arguments, prepared)
         check(scene)
         if prepared is None:
-            wall = complete_array(wall)
-            _require_boundary(wall, scene)
+            topography = _map_of_array(array_of(heights, is_complete=True), scene.surface)
+        else:
+            topography = _map_of_prepared(prepared)
     if comm.size > 1:
-        _require_the_same(comm, scene, _array_of(wall).shape)
-    return scene, wall
+        _require_the_same(comm, scene, topography.n)
+    return scene, topography, prepared
 
 
-def _require_boundary(heights: np.ndarray, scene: Scene) -> None:
-    """Raise SceneError if opposite edges do not meet and the scene does not say what is there."""
-    if scene.surface.boundary is None:
-        question = edges_of(StoredRows(heights), heights.shape).question()
-        if question:
-            raise SceneError(question)
+def _map_of_prepared(surface: PreparedSurface) -> Topography:
+    return Topography(
+        surface.heights.shape,
+        surface.sizes,
+        StoredRows(surface.heights),
+        surface.unit,
+        prepared=surface.prepared,
+        notes=tuple(map(SurfaceWarning, surface.notes)),
+    )
+
+
+def _map_of_array(array: np.ndarray, spec: Any) -> Topography:
+    """Return an array as the map that is pressed; SceneError if it needs a boundary."""
+    sizes = tuple(map(float, spec.physical_sizes))
+    as_it_is = Topography(array.shape, sizes, StoredRows(array))
+    if spec.boundary is None:
+        edges_of(as_it_is).require_meeting("boundary")
+    return as_it_is.mirrored(spec.mirrored).on_form(spec.radii)
 
 
 def _changed(comm: Comm, scene: Scene | str | PathLike, arguments: dict[str, Any]) -> Scene:
@@ -114,10 +126,6 @@ def _changed(comm: Comm, scene: Scene | str | PathLike, arguments: dict[str, Any
         return made
 
     return on_rank_0(comm, "reading the scene", read)
-
-
-def _array_of(wall: np.ndarray | PreparedSurface) -> np.ndarray:
-    return wall.heights if isinstance(wall, PreparedSurface) else wall
 
 
 def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
@@ -208,36 +216,23 @@ def surfaces_of_scene(
     return Surfaces(comm, threads, size, make, {} if keep and not low_memory else None)
 
 
-def _surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) -> Surfaces:
-    """Return what makes the surface of a scene from heights in memory."""
-    array = np.asarray(_array_of(wall))
-    rows = StoredRows(array)
-    is_small = array.size <= SMALL
+def _surfaces_of(
+    comm: Comm, scene: Scene, topography: Topography, prepared: PreparedSurface | None
+) -> Surfaces:
+    """Return what makes the surface of a scene from a map of heights in memory."""
+    n_x, n_y = topography.n
+    is_small = n_x * n_y <= SMALL
     kept: Kept | None = {} if is_small else None
     whole = scene.may_break_symmetry
-    if isinstance(wall, PreparedSurface):
-        topography = Topography(
-            array.shape,
-            wall.sizes,
-            rows,
-            wall.unit,
-            prepared=wall.prepared,
-            notes=tuple(map(SurfaceWarning, wall.notes)),
-        )
-        if comm.size == 1 and not array.flags.writeable:
-            kept = _surfaces.setdefault(wall, {}).setdefault(whole, {})
-    else:
-        sizes = tuple(float(size) for size in scene.surface.physical_sizes or ())
-        topography = Topography(array.shape, sizes, rows)
-        topography = mirrored(topography, scene.surface.mirrored).on_form(scene.surface.radii)
-    threads = threads_of(comm, scene.machine.threads, array.size)
+    if prepared is not None and comm.size == 1 and not prepared.heights.flags.writeable:
+        kept = _surfaces.setdefault(prepared, {}).setdefault(whole, {})
+    threads = threads_of(comm, scene.machine.threads, n_x * n_y)
 
     def make(precision: Precision) -> Surface:
         return surface_of(topography, comm, precision, threads, scene.surface.free, True, whole)
 
-    is_described = isinstance(wall, PreparedSurface) and wall.table is not None
+    is_described = prepared is not None and prepared.table is not None
     is_measured = hasattr(scene.surface, "path")
-    n_x, n_y = topography.n
     size = Size((n_x, n_y), topography.sizes)
     return Surfaces(comm, threads, size, make, kept, is_small, is_described, is_measured)
 

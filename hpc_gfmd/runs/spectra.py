@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..surface.instruments import is_topography
+from ..surface.metadata import is_topography
 from ..surface.spectra import Spectrum, of_isotropic_surface
 from ..util.errors import SceneError, is_mistake, one_line
 from ..util.libraries import surface_topography

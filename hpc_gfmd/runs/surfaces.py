@@ -13,11 +13,10 @@ from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..scene.height_maps import Reading
 from ..surface import build_surface
-from ..surface.analytic import StoredRows
-from ..surface.heights import checked, checked_array, complete_array
-from ..surface.instruments import is_topography, of_topography, unreliable
-from ..surface.metadata import Metadata
-from ..surface.prepare import mirrored, notes_on, prepare
+from ..surface.heights import StoredRows, array_of, require_finite
+from ..surface.metadata import Metadata, is_topography, of_topography, unreliable
+from ..surface.prepare import prepare
+from ..surface.quality import notes_on
 from ..surface.topography import Topography, open_topography, topography_of
 from ..surface.two_scans import combined, placed
 from ..util.errors import GfmdError, SceneError, SurfaceWarning, reason
@@ -94,16 +93,19 @@ def surface_of_topography(topography: Any, boundary: Any) -> PreparedSurface:
     """Return the surface that a Topography of SurfaceTopography shows, which needs sizes, all
     heights and a boundary.
     """
-    as_it_is, spec = _in_memory(topography, {} if boundary is None else {"boundary": boundary})
-    checked(complete_array(topography.heights()), 0, "heights")
+    keys = {} if boundary is None else {"boundary": boundary}
+    as_it_is, spec = _in_memory(topography, keys, is_complete=True)
     notes = notes_on(as_it_is, spec, look=False)
     with_notes = replace(as_it_is, notes=(*as_it_is.notes, *notes))
-    return _surface(mirrored(with_notes, spec.mirrored), spec)
+    return _surface(with_notes.mirrored(spec.mirrored), spec)
 
 
-def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
+def _in_memory(
+    heights: Any, keys: dict[str, Any], is_complete: bool = False
+) -> tuple[Topography, Any]:
     """Return heights in memory as a map, and the [surface] with these keys of `prepare_surface`;
-    edges and sizes are the map's where the keys have none.
+    edges and sizes are the map's where the keys have none. is_complete: heights that are missing
+    are refused.
     """
     metadata = Metadata()
     doubts = []
@@ -116,7 +118,10 @@ def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys = keys | {"physical_sizes": (1.0, 1.0)}
     scene, _ = _scene({"kind": "file", "path": "the array"} | keys, "hpc_gfmd.prepare_surface")
-    topography = topography_of(checked_array(heights), metadata, scene.surface)
+    array = array_of(heights, is_complete)
+    if is_complete:
+        require_finite(array, 0, "heights")
+    topography = topography_of(array, metadata, scene.surface)
     return replace(topography, notes=(*topography.notes, *doubts)), scene.surface
 
 
@@ -205,7 +210,8 @@ def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topograph
         )
     of_one = spec.model_copy(update={"path": path, "bodies": None})
     if is_topography(surface):
-        return topography_of(*of_topography(surface), of_one)
+        heights, metadata = of_topography(surface)
+        return topography_of(array_of(heights), metadata, of_one)
     if not isinstance(surface, str | PathLike):
         raise SceneError(
             f"hpc_gfmd.combine_surfaces: found {type(surface).__name__} for {path}, allowed: a"

@@ -1,37 +1,10 @@
 """Surfaces given by a formula."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-ROWS = 64  # of heights that are read at a time
-Rows = Callable[[int, int], np.ndarray]  # (start, stop) -> heights, float64 (stop - start, n_y)
-
-
-@dataclass(frozen=True)
-class StoredRows:
-    """The rows of heights `z` in memory, of which the first is row `begin` of the map."""
-
-    z: np.ndarray
-    begin: int = 0
-
-    def __call__(self, start: int, stop: int) -> np.ndarray:
-        """Return rows start <= i < stop, a view if they are in double precision."""
-        return np.asarray(self.z[start - self.begin : stop - self.begin], np.float64)
-
-
-def collected(rows: Rows, start: int, stop: int, width: int) -> np.ndarray:
-    """Return rows start <= i < stop of `width` heights, read a few at a time; those in memory in
-    double precision as they are, which must not be changed.
-    """
-    if isinstance(rows, StoredRows) and rows.z.dtype == np.float64:
-        return rows(start, stop)
-    z = np.empty((stop - start, width))
-    for i in range(start, stop, ROWS):
-        z[i - start : i - start + ROWS] = rows(i, min(i + ROWS, stop))
-    return z
+from .heights import Rows
 
 
 def wave_rows(spec: Any) -> Rows:

@@ -14,21 +14,21 @@ from ..parallel.interrupt import check
 from ..parallel.threads import PIECE_ROWS
 from ..scene import has_unit
 from ..util.errors import SceneError
-from .analytic import Rows, StoredRows, collected, flat_rows, wave_rows
+from .analytic import flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .fourier import fourier_modes
 from .height_distribution import with_distribution
-from .heights import LARGEST, checked, checksum, sums_of_rows
+from .heights import LARGEST, Rows, StoredRows, checksum, collected, require_finite, sums_of_rows
 from .modes import gap_of_modes
 from .prepare import (
     asks_for_preparation,
     bytes_of_preparing,
     complete,
-    notes_on,
     on_radius,
     prepare,
     prepared_size,
 )
+from .quality import notes_on
 from .spectrum import self_affine_modes, spectrum_modes
 from .statistics import Roughness, rms, rms_between_neighbours
 from .surface import ByHeights, Precision, Surface, precision_of
@@ -296,7 +296,7 @@ def _range_of(z: np.ndarray, grid: Grid, with_sums: bool) -> tuple[float, float,
     lowest = np.min([low for low, _, _ in pieces], initial=np.inf)
     highest = np.max([high for _, high, _ in pieces], initial=-np.inf)
     if len(z) and not -LARGEST <= lowest <= highest <= LARGEST:
-        checked(z, grid.rows[0], "surface")
+        require_finite(z, grid.rows[0], "surface")
     return lowest, highest, b"".join(sums for _, _, sums in pieces)
 
 

@@ -12,8 +12,7 @@ from ..util.errors import SceneError, one_line
 from ..util.lengths import length_factor
 from ..util.libraries import surface_topography
 from .contents import Contents
-from .instruments import of_topography
-from .metadata import Map, Metadata
+from .metadata import Map, Metadata, of_topography
 
 SAME = 1e-3  # relative difference of sizes that are the same
 LEFT_AS_IT_IS = (None, "center", "do-not-fill")  # filters that change nothing of the surface

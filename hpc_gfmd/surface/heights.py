@@ -1,7 +1,9 @@
-"""Checks of heights in memory and as they are read, and a checksum that tells maps apart."""
+"""Heights as arrays and by rows: conversion, checks, and a checksum that tells maps apart."""
 
 import hashlib
 import operator
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache
 from os import PathLike
 from typing import Any
@@ -14,6 +16,32 @@ from .metadata import is_y_first
 
 A_MAP = "a real array with two axes, not empty"
 EXACT = 2**53  # float64 holds all integers up to this one
+ROWS = 64  # of heights that are read at a time
+Rows = Callable[[int, int], np.ndarray]  # (start, stop) -> heights, float64 (stop - start, n_y)
+
+
+@dataclass(frozen=True)
+class StoredRows:
+    """The rows of heights `z` in memory, of which the first is row `begin` of the map."""
+
+    z: np.ndarray
+    begin: int = 0
+
+    def __call__(self, start: int, stop: int) -> np.ndarray:
+        """Return rows start <= i < stop, a view if they are in double precision."""
+        return np.asarray(self.z[start - self.begin : stop - self.begin], np.float64)
+
+
+def collected(rows: Rows, start: int, stop: int, width: int) -> np.ndarray:
+    """Return rows start <= i < stop of `width` heights, read a few at a time; those in memory in
+    double precision as they are, which must not be changed.
+    """
+    if isinstance(rows, StoredRows) and rows.z.dtype == np.float64:
+        return rows(start, stop)
+    z = np.empty((stop - start, width))
+    for i in range(start, stop, ROWS):
+        z[i - start : i - start + ROWS] = rows(i, min(i + ROWS, stop))
+    return z
 
 
 def require_map(array: Any, where: str, of: str = "") -> None:
@@ -30,9 +58,10 @@ def require_map(array: Any, where: str, of: str = "") -> None:
         )
 
 
-def checked_array(heights: Any) -> np.ndarray:
-    """Convert heights to an array (masked, if they are) and check that they are a map, without
-    reading values; an array of xarray whose first axis is y is refused.
+def array_of(heights: Any, is_complete: bool = False) -> np.ndarray:
+    """Convert heights to an array (masked, if they are; plain and without masked points, but
+    perhaps nan, if `is_complete`) and check that they are a map, without reading values; an array
+    of xarray whose first axis is y is refused.
     """
     if isinstance(heights, str | PathLike):
         path = repr(str(heights))
@@ -50,7 +79,15 @@ def checked_array(heights: Any) -> np.ndarray:
     except (TypeError, ValueError) as error:
         raise SceneError(f"heights: found {one_line(str(error))}, allowed: {A_MAP}") from None
     require_map(heights, "heights")
-    return _from_lowest(heights)
+    heights = _from_lowest(heights)
+    if not is_complete:
+        return heights
+    if np.ma.is_masked(heights):
+        raise SceneError(
+            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
+            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
+        )
+    return np.asarray(heights)
 
 
 def _from_lowest(heights: np.ndarray) -> np.ndarray:
@@ -64,22 +101,11 @@ def _from_lowest(heights: np.ndarray) -> np.ndarray:
     return heights.astype(np.uint64) - np.uint64(int(lowest) % 2**64)
 
 
-def complete_array(heights: Any) -> np.ndarray:
-    """Convert heights to an array as `checked_array` does, and refuse masked points, not nan."""
-    heights = checked_array(heights)
-    if np.ma.is_masked(heights):
-        raise SceneError(
-            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
-            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
-        )
-    return heights
-
-
-def checked(
+def require_finite(
     z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False
-) -> np.ndarray:
-    """Return heights, float64; SceneError for infinite ones, beyond +-LARGEST (which instruments
-    write for missing points), or nan unless `missing`. start: index of the first row.
+) -> None:
+    """Raise SceneError for heights that are infinite, beyond +-LARGEST (which instruments write for
+    missing points), or nan unless `missing`. start: index of the first row; where, of: as above.
     """
     wrong = ~(np.abs(z) <= LARGEST)
     if missing:
@@ -93,7 +119,6 @@ def checked(
             f"{where}: found {z[i, j]:g} at ({start + i}, {j}){of}, allowed: finite heights, "
             f"{-LARGEST:g} to {LARGEST:g}{fill}"
         )
-    return z
 
 
 def sums_of_rows(z: np.ndarray) -> bytes:

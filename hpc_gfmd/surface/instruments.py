@@ -14,9 +14,8 @@ from ..scene.height_maps import ANY
 from ..util.errors import SceneError, one_line
 from ..util.lengths import length_factor
 from ..util.libraries import surface_topography
-from ..util.quantities import factor, prefixed
 from .contents import Contents
-from .metadata import Map, Metadata
+from .metadata import Map, Metadata, of_topography
 
 OWN_FORMATS = ("xyz", "asc", "matrix", "npy", "npz", "h5", "nc", "hgt")  # not its readers are used
 PREFERRED = re.compile(r"topo|height|z[ _-]?sensor|^z$", re.I)
@@ -27,42 +26,6 @@ WITHOUT_CHANNELS = ("mat",)  # arrays of any meaning
 NANOMETRES_AS_MILLIMETRES = "nms"  # SurfaceTopography 1.27.1 takes the spacing so
 _DATA_IN_GWYDDION = re.compile(r"/(\d+)/data")
 LONGEST = 1.0  # m: no instrument measures more
-
-
-def is_topography(value: Any) -> bool:
-    """Whether an object looks like a Topography of SurfaceTopography, which is not imported."""
-    return callable(getattr(value, "heights", None)) and hasattr(value, "physical_sizes")
-
-
-def of_topography(topography: Any) -> Map:
-    """Return heights (n_x, n_y), float64, masked, and metadata of a Topography; unless it is
-    periodic that is left open, as most formats do not say.
-    """
-    named = topography
-    while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
-        named = named.parent_topography
-    unit = named.unit
-    sizes_unit, unit = unit if isinstance(unit, tuple | list) else (unit, unit)
-    sizes = None
-    if topography.physical_sizes is not None:
-        sizes = tuple(map(float, topography.physical_sizes))
-    # Most formats know nothing of periodicity, and are said to be not periodic.
-    metadata = Metadata(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
-    return np.ma.asarray(topography.heights(), dtype=np.float64), metadata
-
-
-def unreliable(topography: Any) -> tuple[float, str] | None:
-    """Return the wave length in m below which a map shows the instrument, and a note, or None."""
-    has_unit = isinstance(topography.unit, str)
-    cutoff = topography.short_reliability_cutoff() if has_unit else None
-    if cutoff is None:
-        return None
-    length = cutoff * factor(topography.unit)
-    scale, name = prefixed([length], "m")
-    return length, (
-        f"waves shorter than {length / scale:.3g} {name} show the instrument, not the surface"
-        " (SurfaceTopography's short_reliability_cutoff)"
-    )
 
 
 def knows(contents: Contents) -> bool:

@@ -1,4 +1,6 @@
-"""What a file says about its heights: sizes, units, directions, whether they are periodic."""
+"""What a file, or a Topography of SurfaceTopography, says about its heights: sizes, units,
+directions, whether they are periodic.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,6 +10,8 @@ import numpy as np
 
 from ..scene.table import MAX_N
 from ..util.errors import SceneError
+from ..util.lengths import length_factor
+from ..util.quantities import prefixed
 
 UNEVEN = 1e-3  # of a step: coordinates that differ by more are not those of a grid
 ATTRIBUTES = ("physical_sizes", "unit", "units", "periodic")
@@ -40,6 +44,42 @@ class Metadata:
 
 
 Map = tuple[Any, Metadata]  # an array, or anything sliced like one, and what is said of it
+
+
+def is_topography(value: Any) -> bool:
+    """Whether an object looks like a Topography of SurfaceTopography, which is not imported."""
+    return callable(getattr(value, "heights", None)) and hasattr(value, "physical_sizes")
+
+
+def of_topography(topography: Any) -> Map:
+    """Return heights (n_x, n_y), float64, masked, and metadata of a Topography; unless it is
+    periodic that is left open, as most formats do not say.
+    """
+    named = topography
+    while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
+        named = named.parent_topography
+    unit = named.unit
+    sizes_unit, unit = unit if isinstance(unit, tuple | list) else (unit, unit)
+    sizes = None
+    if topography.physical_sizes is not None:
+        sizes = tuple(map(float, topography.physical_sizes))
+    # Most formats know nothing of periodicity, and are said to be not periodic.
+    metadata = Metadata(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
+    return np.ma.asarray(topography.heights(), dtype=np.float64), metadata
+
+
+def unreliable(topography: Any) -> tuple[float, str] | None:
+    """Return the wave length in m below which a map shows the instrument, and a note, or None."""
+    metres = length_factor(topography.unit) if isinstance(topography.unit, str) else None
+    cutoff = topography.short_reliability_cutoff() if metres else None
+    if metres is None or cutoff is None:
+        return None
+    length = cutoff * metres
+    scale, name = prefixed([length], "m")
+    return length, (
+        f"waves shorter than {length / scale:.3g} {name} show the instrument, not the surface"
+        " (SurfaceTopography's short_reliability_cutoff)"
+    )
 
 
 def by_attributes(*places: Mapping[str, Any]) -> Metadata:

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
-from .analytic import ROWS, StoredRows
 from .fill import filled
-from .quality import DOUBT, edges_of, form_notes, quality_of, window_notes, without_outliers
+from .heights import ROWS, StoredRows
+from .quality import DOUBT, notes_on, quality_of, window_notes, without_outliers
 from .topography import Topography
 from .two_scans import combined, interpolated, name_of, spacings_text
 
@@ -36,7 +36,7 @@ POWERS = {
 def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
     """Return points and sizes of what `prepare` will make, without reading heights."""
     topography = _cropped(topography, spec) if spec.crop else topography
-    topography = mirrored(topography, spec.mirrored)
+    topography = topography.mirrored(spec.mirrored)
     n_x, n_y = (k * spec.refine for k in topography.n)
     if n_x % spec.downsample or n_y % spec.downsample:
         raise SceneError(
@@ -99,7 +99,7 @@ def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography
     topography = replace(topography, notes=(*topography.notes, *notes))
     if spec.flip:
         topography = topography.of_heights(-topography.heights(), "upside down")
-    topography = mirrored(topography, spec.mirrored)
+    topography = topography.mirrored(spec.mirrored)
     if has_window:
         topography = _windowed(topography, spec.window)
     if size != topography.n:
@@ -132,27 +132,6 @@ def on_radius(topography: Topography, spec: Any) -> Topography:
     radii = tuple(topography.length("radius", R) for R in spec.radii)
     texts = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
     return topography.on_form(radii).after(f"on a form of radius {texts}")
-
-
-def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarning]:
-    """Return notes on edges, filling and, if `look`, quality; SceneError without a boundary."""
-    edges = edges_of(topography.rows, topography.n)
-    has_window = spec.window != "none"
-    is_told = has_window or spec.boundary is not None or topography.periodic
-    if not is_told and (question := edges.question()):
-        raise SceneError(f"surface.{question}")
-    repeats = [not (free or mirror) for free, mirror in zip(spec.free, spec.mirrored)]
-    notes = [] if has_window else edges.notes(repeats)
-    if look:
-        notes += quality_of(topography.heights(), topography.sizes).notes()
-        axes = [axis for axis in (0, 1) if not (spec.free[axis] or edges.meet[axis])]
-        if axes and not has_window:  # curved where it neither ends nor repeats
-            notes += form_notes(topography.heights(), topography.sizes, topography.unit, axes)
-    share = topography.filled / np.prod(topography.n)
-    if share > DOUBT.filled:
-        text = f"{100 * share:.0f} % of the heights are filled, not measured"
-        notes.append(SurfaceWarning(text))
-    return notes
 
 
 def _of_filled_scans(topography: Topography, spec: Any) -> Topography:
@@ -226,33 +205,6 @@ def _detrended(topography: Topography, trend: str) -> Topography:
     np.subtract(z, trend_removed, out=trend_removed)
     periodic = topography.periodic if trend == "mean" else None
     return topography.of_heights(trend_removed, f"{trend} removed", periodic=periodic)
-
-
-def mirrored(topography: Topography, along: tuple[bool, bool]) -> Topography:
-    """Return the map with its mirror images: twice as long along the chosen axes."""
-    if not any(along):
-        return topography
-    n_x, n_y = topography.n
-    copies = [2 if axis else 1 for axis in along]
-    n = (n_x * copies[0], n_y * copies[1])
-
-    def rows(start: int, stop: int) -> np.ndarray:
-        z = np.empty((stop - start, n[1]))
-        middle = min(max(n_x - start, 0), stop - start)  # rows before it are those of the map
-        straight = topography.rows(min(start, n_x), min(stop, n_x))
-        turned = topography.rows(2 * n_x - max(stop, n_x), 2 * n_x - max(start, n_x))[::-1]
-        for part, of_map in ((z[:middle], straight), (z[middle:], turned)):
-            part[:, :n_y] = of_map
-            part[:, n_y:] = of_map[:, ::-1] if along[1] else 0
-        return z
-
-    return topography.after(
-        "mirrored" if all(along) else f"mirrored along {'x' if along[0] else 'y'}",
-        n=n,
-        sizes=tuple(size * copy for size, copy in zip(topography.sizes, copies)),
-        rows=rows,
-        periodic=True if all(along) else topography.periodic,
-    )
 
 
 def _windowed(topography: Topography, name: str) -> Topography:

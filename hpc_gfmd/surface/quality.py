@@ -4,13 +4,14 @@ rows, are looked at before every solve.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..scene.surface import CHOICES_TEXT
-from ..util.errors import SurfaceWarning
+from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import prefixed
-from .analytic import Rows
+from .topography import Topography
 
 
 @dataclass(frozen=True)
@@ -56,8 +57,8 @@ class Edges:
         )
         return x, y
 
-    def question(self) -> str:
-        """Return the message of an error that asks for the boundary, "" where the edges meet."""
+    def require_meeting(self, key: str) -> None:
+        """Raise SceneError, which asks for the boundary by its key, unless all edges meet."""
         for axis, jump, kink, meet in zip("xy", self.jumps, self.kinks, self.meet):
             if meet:
                 continue
@@ -66,11 +67,10 @@ class Edges:
                 if jump > DOUBT.jump
                 else f"meet in a kink, {kink:.3g} times as sharp as inside"
             )
-            return (
-                f"boundary: not given, and opposite edges along {axis} {how}, allowed:"
+            raise SceneError(
+                f"{key}: not given, and opposite edges along {axis} {how}, allowed:"
                 f" {CHOICES_TEXT}; one for each axis if they differ"
             )
-        return ""
 
     def notes(self, meet: Sequence[bool]) -> list[SurfaceWarning]:
         """Return a note for each axis along which edges that meet have a jump or a kink."""
@@ -90,11 +90,32 @@ class Edges:
         return list(map(SurfaceWarning, texts))
 
 
-def edges_of(read: Rows, n: tuple[int, ...]) -> Edges:
-    """Return how the edges of a map of n points without holes meet, by at most 3 GROUPS rows."""
+def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarning]:
+    """Return notes on edges, filling and, if `look`, quality; SceneError without a boundary."""
+    edges = edges_of(topography)
+    has_window = spec.window != "none"
+    if not (has_window or spec.boundary is not None or topography.periodic):
+        edges.require_meeting("surface.boundary")
+    repeats = [not (free or mirror) for free, mirror in zip(spec.free, spec.mirrored)]
+    notes = [] if has_window else edges.notes(repeats)
+    if look:
+        notes += quality_of(topography.heights(), topography.sizes).notes()
+        axes = [axis for axis in (0, 1) if not (spec.free[axis] or edges.meet[axis])]
+        if axes and not has_window:  # curved where it neither ends nor repeats
+            notes += form_notes(topography.heights(), topography.sizes, topography.unit, axes)
+    share = topography.filled / np.prod(topography.n)
+    if share > DOUBT.filled:
+        text = f"{100 * share:.0f} % of the heights are filled, not measured"
+        notes.append(SurfaceWarning(text))
+    return notes
+
+
+def edges_of(topography: Topography) -> Edges:
+    """Return how the edges of a map without holes meet, by at most 3 GROUPS rows."""
+    n = topography.n
     height = min(3, n[0])
     starts = sorted({round(k * (n[0] - height) / (GROUPS - 1)) for k in range(GROUPS)})
-    groups = np.array([read(start, start + height) for start in starts])
+    groups = np.array([topography.rows(start, start + height) for start in starts])
     columns = groups[:, :, :: max(n[1] // LATTICE, 1)]
     ends = columns[-1, -2 % height], columns[-1, -1], columns[0, 0], columns[0, 1 % height]
     jump_x, kink_x = _jump_and_kink(columns.swapaxes(0, 1), np.array(ends))

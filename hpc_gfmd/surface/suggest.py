@@ -20,6 +20,7 @@ from .contents import contents_of
 from .doubtful_numbers import slope_notes
 from .files import open_map
 from .map_units import missing_keys
+from .metadata import unreliable
 from .prepare import prepare
 from .quality import DOUBT, Edges, MapQuality, edges_of, outliers, per_cent, quality_of
 from .topography import Topography, specs_of_bodies, sum_of_bodies, topography_of
@@ -151,7 +152,7 @@ def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> No
     with suppress(Exception):  # of a file that SurfaceTopography does not read
         contents = contents_of(Path(str(spec.path)))
         scan = instruments.topography_of_channel(contents, spec.dataset)
-        cutoff, why = instruments.unreliable(scan) or (0.0, "")
+        cutoff, why = unreliable(scan) or (0.0, "")
         factors = (ceil(cutoff * n / (2 * L)) for n, L in zip(topography.n, topography.sizes))
         smallest_factor = max(factors)
         divisors = [
@@ -190,7 +191,7 @@ def _by_heights(
     def prepared_map() -> tuple[Topography, MapQuality, Edges]:
         heights = prepare(topography, make(values | filled | plain), look=True)
         quality = quality_of(heights.heights(), heights.sizes)
-        return heights, quality, edges_of(heights.rows, heights.n)
+        return heights, quality, edges_of(heights)
 
     heights, quality, meeting = prepared_map()
     refusal = ', which surface.fill = "none" refuses: the scene does not run'

@@ -20,9 +20,8 @@ from ..util.errors import (
     one_line,
 )
 from ..util.quantities import Quantity
-from .analytic import Rows, StoredRows, collected
 from .files import open_map
-from .heights import checked
+from .heights import Rows, StoredRows, collected, require_finite
 from .map_units import MapUnits, lengths_text, units_of
 from .metadata import Metadata
 from .two_scans import ALIKE, combined, placed
@@ -102,6 +101,32 @@ class Topography:
 
         return replace(self, rows=rows)
 
+    def mirrored(self, along: tuple[bool, bool]) -> Self:
+        """Return a copy with its mirror images: twice as long along the chosen axes."""
+        if not any(along):
+            return self
+        n_x, n_y = self.n
+        copies = [2 if axis else 1 for axis in along]
+        n = (n_x * copies[0], n_y * copies[1])
+
+        def rows(start: int, stop: int) -> np.ndarray:
+            z = np.empty((stop - start, n[1]))
+            middle = min(max(n_x - start, 0), stop - start)  # rows before it are those of the map
+            straight = self.rows(min(start, n_x), min(stop, n_x))
+            turned = self.rows(2 * n_x - max(stop, n_x), 2 * n_x - max(start, n_x))[::-1]
+            for part, of_map in ((z[:middle], straight), (z[middle:], turned)):
+                part[:, :n_y] = of_map
+                part[:, n_y:] = of_map[:, ::-1] if along[1] else 0
+            return z
+
+        return self.after(
+            "mirrored" if all(along) else f"mirrored along {'x' if along[0] else 'y'}",
+            n=n,
+            sizes=tuple(size * copy for size, copy in zip(self.sizes, copies)),
+            rows=rows,
+            periodic=True if all(along) else self.periodic,
+        )
+
     def length(self, key: str, value: float) -> float:
         """Convert a length of the scene to the unit of `sizes`; SceneError if only it has one."""
         if isinstance(value, Quantity) and not self.unit:
@@ -161,7 +186,8 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
             raise SceneError(
                 f"surface.path: reading {path} failed: {one_line(str(error))}"
             ) from None
-        return units.height * checked(z, start, "surface.path", f" in {path}", missing=True)
+        require_finite(z, start, "surface.path", f" in {path}", missing=True)
+        return units.height * z
 
     is_read = isinstance(data, np.ndarray) and not isinstance(data, np.memmap)
     notes = (*_notes_on_reading(metadata, spec, n), *units.notes, *_notes_on_sizes(n, units))

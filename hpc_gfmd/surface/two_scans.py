@@ -13,7 +13,7 @@ import numpy as np
 
 from ..util.errors import SceneError, each_once
 from ..util.quantities import prefixed
-from .analytic import Rows
+from .heights import Rows
 from .map_units import lengths_text
 from .metadata import UNEVEN
 

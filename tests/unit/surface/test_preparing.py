@@ -7,8 +7,8 @@ import pytest
 from contacts import random_heights
 
 from hpc_gfmd.scene import File
-from hpc_gfmd.surface.analytic import StoredRows
 from hpc_gfmd.surface.fill import filled
+from hpc_gfmd.surface.heights import StoredRows
 from hpc_gfmd.surface.prepare import prepare
 from hpc_gfmd.surface.topography import Topography, open_topography
 from hpc_gfmd.util.errors import SceneError

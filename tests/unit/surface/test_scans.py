@@ -16,7 +16,9 @@ from refusal import refused
 
 import hpc_gfmd
 from hpc_gfmd.commands.init import compose
+from hpc_gfmd.surface.heights import StoredRows
 from hpc_gfmd.surface.quality import edges_of, quality_of
+from hpc_gfmd.surface.topography import Topography
 from hpc_gfmd.util.libraries import surface_topography
 
 Z = np.round(20 * random_heights((12, 8)), 3)  # nm
@@ -573,7 +575,7 @@ def test_what_a_person_is_told_of_a_map_is_true():
     steps = 2 * (0.2 * np.sin(np.pi / 50)) ** 2, 3e-3**2
     assert quality.g_rms == pytest.approx(sum(steps) ** 0.5, rel=0.01)
     assert quality.typical == pytest.approx((2 * steps[0]) ** 0.5 * np.sin(np.pi / 4), rel=0.1)
-    edges = edges_of(lambda i, j: z[i:j], n)
+    edges = edges_of(Topography(n, n, StoredRows(z)))
     assert edges.jumps[0] < 2
     assert edges.jumps[1] == pytest.approx(n[1] - 1)
 

@@ -209,8 +209,13 @@ def test_profiles_are_refused_as_profiles():
             hpc_gfmd.read_surface(name, **SIZES, **FREE)
         assert name in str(refusal.value)
         assert "\n" not in str(refusal.value)
-    with refused("a profile"):
-        hpc_gfmd.prepare_surface(surface_topography().UniformLineScan(Z[0], 3.0), **FREE)
+    profile = surface_topography().UniformLineScan(Z[0], 3.0)
+    for take in (
+        lambda: hpc_gfmd.prepare_surface(profile, **FREE),
+        lambda: hpc_gfmd.combine_surfaces(profile, profile),
+    ):
+        with refused("a profile"):
+            take()
 
 
 @pytest.mark.parametrize(
