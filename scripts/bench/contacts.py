@@ -75,38 +75,9 @@ class RoughContact:
         return hpc_gfmd.make_surface(**self.table)
 
     def press(self, **settings):
-        """Solve the contact with hpc_gfmd.solve and time the whole call.
-
-        Parameters
-        ----------
-        **settings
-            Arguments of hpc_gfmd.solve.
-
-        Returns
-        -------
-        row : dict
-            Times and numbers of the solution.
-        pressure : ndarray, shape (n, n)
-        """
-        defaults = {"pressure": self.p_star, "hardness": self.hardness or None}
-        wall_begin = time.perf_counter()
-        cpu_begin = time.process_time()
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", hpc_gfmd.NotConverged)
-            solution = hpc_gfmd.solve(self.surface, fields=["pressure"], **defaults | settings)
-        pressure = np.asarray(solution.pressure)
-        row = {
-            "seconds": time.perf_counter() - wall_begin,
-            "cpu_seconds": time.process_time() - cpu_begin,
-            "status": solution.status,
-            "iterations": solution.iterations,
-            "fft_pairs": solution.fft_pairs,
-            "p_star": solution.p,
-            "a_r": solution.a_r,
-            "gap_mean": solution.gap_mean,
-            "estimates": list(solution.errors),
-        }
-        return row, pressure
+        """Return the row and the pressure of `timed_solve`; **settings replace the contact's."""
+        contact = {"pressure": self.p_star, "hardness": self.hardness or None}
+        return timed_solve(self.surface, **contact | settings)
 
     def at_area(self, a_r):
         """Return the same surface at a load with about this contact area."""
@@ -142,6 +113,32 @@ class RoughContact:
             "pressure_error": distance(pressure, exact_pressure),
         }
         return errors | {"error": max(errors.values())}
+
+
+def timed_solve(heights, **settings):
+    """Solve with hpc_gfmd.solve and time the whole call.
+
+    **settings are its arguments. Return a row of times and numbers of the solution, and its
+    pressure.
+    """
+    wall_begin = time.perf_counter()
+    cpu_begin = time.process_time()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hpc_gfmd.NotConverged)
+        solution = hpc_gfmd.solve(heights, fields=["pressure"], **settings)
+    pressure = np.asarray(solution.pressure)
+    row = {
+        "seconds": time.perf_counter() - wall_begin,
+        "cpu_seconds": time.process_time() - cpu_begin,
+        "status": solution.status,
+        "iterations": solution.iterations,
+        "fft_pairs": solution.fft_pairs,
+        "p_star": solution.p,
+        "a_r": solution.a_r,
+        "gap_mean": solution.gap_mean,
+        "estimates": list(solution.errors),
+    }
+    return row, pressure
 
 
 def distance(pressure, exact_pressure):

@@ -6,15 +6,14 @@ piece (`roughness` inf, null in rows); radius 1, E* = 1, at the load with about 
 norm between both.
 """
 
-import time
-from contextlib import contextmanager
+from unittest import mock
 
 import numpy as np
 
 import hpc_gfmd
 from hpc_gfmd.driver import box
 
-from .contacts import RoughContact, distance
+from .contacts import RoughContact, distance, timed_solve
 from .report import Report
 from .timing import in_turn, ratio, summary
 
@@ -51,21 +50,9 @@ def _rows(heights, load, repeats):
     rows = {name: [] for name in smallest}
     pressures = {}
     for name in in_turn(smallest, repeats + 1):
-        with _boxes_from(smallest[name]):
-            wall_begin = time.perf_counter()
-            cpu_begin = time.process_time()
-            solution = hpc_gfmd.solve(heights, load, boundary="free", fields=("pressure",))
-            rows[name].append(
-                {
-                    "solved": name,
-                    "seconds": time.perf_counter() - wall_begin,
-                    "cpu_seconds": time.process_time() - cpu_begin,
-                    "a_r": solution.a_r,
-                    "status": solution.status,
-                    "fft_pairs": solution.fft_pairs,
-                }
-            )
-            pressures[name] = np.asarray(solution.pressure)
+        with mock.patch.object(box, "SMALLEST", smallest[name]):
+            row, pressures[name] = timed_solve(heights, pressure=load, boundary="free")
+        rows[name].append({"solved": name} | row)
     rows = {name: series[1:] for name, series in rows.items()}  # the first warms up
     times = {name: [row["cpu_seconds"] for row in series] for name, series in rows.items()}
     for name, series in rows.items():
@@ -73,14 +60,3 @@ def _rows(heights, load, repeats):
             "over_whole": ratio(times[name], times["whole"]),
             "pressure_difference": distance(pressures[name], pressures["whole"]),
         }
-
-
-@contextmanager
-def _boxes_from(points):
-    """Use boxes on grids of at least so many points."""
-    before = box.SMALLEST
-    box.SMALLEST = points
-    try:
-        yield
-    finally:
-        box.SMALLEST = before

@@ -152,9 +152,7 @@ def judged_rows(wall, way, elements, times):
             true = (solution.a_r, abs(solution.gap_mean / exact - 1), 0.0)
             columns |= outcome(solution, 0, true)
         else:
-            points = round(solution.a_r * wall.heights.size)
-            pressure = np.asarray(solution.pressure, np.float64) / modulus / contact.g_rms
-            true = truth.errors(points, solution.gap_mean / contact.height_unit, pressure)
+            true = contact.errors_of(solution, truth, modulus)
             columns |= outcome(solution, truth.contact, true)
             kkt = max(kkt, truth.kkt)
             if wall.targets:

@@ -1,16 +1,14 @@
 """Solve walls of the campaign as a user would, and compare true with claimed errors."""
 
 import signal
-import tempfile
 import time
 import warnings
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
-import tomli_w
 
 import hpc_gfmd
+from hpc_gfmd.scene import Scene
 
 from .families import make, outcome
 from .registry import keywords
@@ -233,38 +231,22 @@ def nearest_count(contact, p_star, points, hardness=None):
 
 
 def _judged(solution, truth, contact, wall):
-    """Return the true and the claimed errors of (area, mean gap, pressure) of a solution."""
-    points = round(solution.a_r * wall.heights.size)
-    with np.errstate(all="ignore"):
-        p = np.asarray(solution.pressure, np.float64) / wall.E_star / contact.g_rms
-        true = truth.errors(points, solution.gap_mean / contact.height_unit, p)
+    """Return the columns of a solution with a truth."""
+    true = contact.errors_of(solution, truth, wall.E_star)
     return {"kkt": truth.kkt} | outcome(solution, truth.contact, true)
 
 
 def _solutions(wall, contact, way, hardness):
-    """Yield the solutions of the loads; low memory needs a scene."""
-    settings = {"name": way["solver"], "precision": way["precision"], "accuracy": way["accuracy"]}
+    """Return the solutions of the loads; low memory makes the heights from a scene."""
+    settings = {key: way[key] for key in ("precision", "accuracy")} | {"name": way["solver"]}
     if way["solver"] != "bpx":
         settings["max_iterations"] = MOST_ITERATIONS
+    settings |= {"hardness": hardness, "fields": ["pressure"]}
     loads = [p_star * wall.E_star * contact.g_rms for p_star in wall.loads]
-    if not way["low_memory"]:
-        fields = ["pressure"]
-        yield from hpc_gfmd.solve(
-            wall.heights, loads, hardness=hardness, fields=fields, **keywords(wall), **settings
-        )
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "contact.h5"
-        scene = {
-            "surface": wall.surface,
-            "material": {} if hardness is None else {"hardness": hardness},
-            "load": {"pressure": loads},
-            "solver": settings | {"low_memory": True},
-            "output": {"path": str(path), "fields": ["pressure"]},
-        }
-        path.with_suffix(".toml").write_text(tomli_w.dumps(scene))
-        hpc_gfmd.run(path.with_suffix(".toml"), quiet=True)
-        yield from hpc_gfmd.load(path)
+    if way["low_memory"]:
+        scene = Scene.from_dict({"surface": wall.surface, "load": {"pressure": loads}})
+        return hpc_gfmd.solve(scene, low_memory=True, **settings)
+    return hpc_gfmd.solve(wall.heights, loads, **settings, **keywords(wall))
 
 
 @contextmanager

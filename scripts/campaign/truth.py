@@ -150,6 +150,16 @@ class Contact:
         self.height_unit = scale * g_rms  # = g_rms a in the scene's units
         self.g_rms = self.height_unit / a
 
+    def errors_of(self, solution, truth, modulus):
+        """Return the true errors of (area, mean gap, pressure) of an hpc_gfmd.Solution.
+
+        modulus: E*, in the units of the solution.
+        """
+        points = round(solution.a_r * self.N)
+        with np.errstate(all="ignore"):
+            pressure = np.asarray(solution.pressure, np.float64) / modulus / self.g_rms
+            return truth.errors(points, solution.gap_mean / self.height_unit, pressure)
+
     def times(self, multiplier, x):
         """Return a field multiplied in Fourier space."""
         return fft.irfft2(multiplier * fft.rfft2(x), s=self.n)

@@ -39,10 +39,7 @@ def iterations_too_many(wall, precision, accuracy):
         return None
     for iterations in range(1, converged.iterations):
         solution = solve(iterations)
-        points = round(solution.a_r * wall.heights.size)
-        pressure = np.asarray(solution.pressure, np.float64) / wall.E_star / contact.g_rms
-        errors = truth.errors(points, solution.gap_mean / contact.height_unit, pressure)
-        if max(errors) < accuracy:
+        if max(contact.errors_of(solution, truth, wall.E_star)) < accuracy:
             return converged.iterations - iterations
     return 0
 
