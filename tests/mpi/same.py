@@ -5,19 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from contacts import EXACT, field, rough, sweep_of
+from contacts import EXACT, field, sweep_of
 
+import hpc_gfmd
 from hpc_gfmd.contact import all_observables
-
-every_size = pytest.mark.parametrize(
-    "surface",
-    [
-        rough(),
-        rough((1, 31, 2.0), seed=3),
-        rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
-        rough((1, 47, 2), hurst=1.0),
-    ],
-)
 
 
 def from_rank_0(comm, work):
@@ -90,3 +81,17 @@ def compare(comm, surface, pressure, tolerance=1e-10, **solver):
     """Solve one load on all ranks and on one process, and compare."""
     steps = [sweep.solve(pressure) for sweep in sweeps(comm, surface, **EXACT | solver)]
     assert_same(comm, *steps, tolerance)
+
+
+def solve_twice(comm, heights, *load, **arguments):
+    """Return the results of hpc_gfmd.solve on all ranks and in one process."""
+    on_ranks = hpc_gfmd.solve(heights, *load, comm=comm, **arguments)
+    return on_ranks, from_rank_0(comm, lambda: hpc_gfmd.solve(heights, *load, **arguments))
+
+
+def assert_same_fields(on_ranks, alone, names, tolerance):
+    """Compare this rank's rows of a solution with those of one process."""
+    for name in names:
+        whole = getattr(alone, name)
+        error = np.abs(getattr(on_ranks, name) - whole[slice(*on_ranks.rows)])
+        assert error.max(initial=0) <= tolerance * np.abs(whole).max(), name

@@ -3,18 +3,15 @@
 import adhesive
 import numpy as np
 import pytest
-from mpi.same import from_rank_0
-
-import hpc_gfmd
+from mpi.same import assert_same_fields, solve_twice
 
 pytestmark = pytest.mark.mpi
 
 
-def solve_twice(comm, z, *load, **settings):
-    """Solve on all ranks and in one process."""
-    settings |= {"physical_sizes": (8.0, 8.0), "precision": "double"}
-    on_ranks = hpc_gfmd.solve(z, *load, comm=comm, **settings)
-    return on_ranks, from_rank_0(comm, lambda: hpc_gfmd.solve(z, *load, **settings))
+def solved(comm, z, *load, **arguments):
+    """Solutions on all ranks and in one process."""
+    how = {"physical_sizes": (8.0, 8.0), "precision": "double"}
+    return solve_twice(comm, z, *load, **how, **arguments)
 
 
 def assert_same(on_ranks, alone):
@@ -24,9 +21,7 @@ def assert_same(on_ranks, alone):
         assert (number is None) == (expected is None), name
         assert number is None or number == pytest.approx(expected, rel=1e-3), name
     assert on_ranks.status == alone.status
-    mine = slice(*on_ranks.rows)
-    error = np.abs(on_ranks.pressure - alone.pressure[mine]).max(initial=0)
-    assert error <= 0.02 * alone.pressure.max()
+    assert_same_fields(on_ranks, alone, ["pressure"], 0.02)
 
 
 @pytest.mark.parametrize(
@@ -36,7 +31,7 @@ def test_approach(comm, boundary, kappa):
     z = adhesive.wall(4, 4).heights
     adhesion = adhesive.attraction(kappa, 0.1)
     settings = {"accuracy": 1e-4, "boundary": boundary, "unique": True}
-    on_ranks, alone = solve_twice(comm, z, 0.1, adhesion=adhesion, **settings)
+    on_ranks, alone = solved(comm, z, 0.1, adhesion=adhesion, **settings)
     assert on_ranks.status == "converged"
     assert_same(on_ranks, alone)
     assert on_ranks.value("unique") == alone.value("unique")
@@ -48,7 +43,7 @@ def test_retraction_to_separation(comm):
     adhesion = adhesive.attraction(1.0, 0.1)
     loads = [0.3, 0.05, 0.0, -1.0, -2.0]
     settings = {"accuracy": 1e-4, "branch": "retraction"}
-    pair = solve_twice(comm, z, loads, adhesion=adhesion, **settings)
+    pair = solved(comm, z, loads, adhesion=adhesion, **settings)
     for on_ranks, alone in zip(*pair, strict=True):
         assert_same(on_ranks, alone)
     assert pair[0][-1].status == "separated"
@@ -65,7 +60,7 @@ def test_prescribed_lengths(comm, boundary):
     else:
         x = np.arange(32) / 4 - 4
         z, lengths = -(x[:, None] ** 2 + x**2) / 20, {"approach": [0.05, 0, -0.01]}
-    pair = solve_twice(comm, z, adhesion=adhesion, **lengths, **how)
+    pair = solved(comm, z, adhesion=adhesion, **lengths, **how)
     for on_ranks, wanted in zip(*pair, strict=True):
         assert_same(on_ranks, wanted)
         assert on_ranks.status == "converged"

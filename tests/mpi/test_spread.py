@@ -2,7 +2,7 @@
 
 import pytest
 from contacts import EXACT, rough
-from mpi.same import assert_same, every_size, sweeps
+from mpi.same import assert_same, sweeps
 
 from hpc_gfmd.driver import decimation
 from hpc_gfmd.operators import hierarchy
@@ -37,7 +37,15 @@ def test_large_grid(comm):
     assert spread_levels(sweep) == (2, 2)
 
 
-@every_size
+@pytest.mark.parametrize(
+    "surface",
+    [
+        rough(),
+        rough((1, 31, 2.0), seed=3),
+        rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
+        rough((1, 47, 2), hurst=1.0),
+    ],
+)
 def test_small_limits(comm, surface, monkeypatch):
     """The same code on small grids, where solutions can be exact."""
     monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 16)

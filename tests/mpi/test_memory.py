@@ -1,10 +1,9 @@
-"""Reductions over ranks, and the check of the memory of each machine."""
+"""The check of the memory of each machine."""
 
 import os
 
 import pytest
 from contacts import rough
-from decomposition import stages
 
 from hpc_gfmd.runs import memory
 from hpc_gfmd.runs.memory import require_memory
@@ -13,19 +12,6 @@ from hpc_gfmd.surface import surface_size
 from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
-
-
-def test_reduce(comm):
-    """It joins in the order of the ranks, with at most log2(ranks) messages for a rank."""
-    joined = []
-
-    def join(ranks, next_ranks):
-        joined.append(comm.rank)
-        return ranks + next_ranks
-
-    result = comm.reduce([comm.rank], join)
-    assert result == (list(range(comm.size)) if comm.rank == 0 else None)
-    assert len(joined) <= stages(comm.size)
 
 
 def test_memory_of_a_machine(comm, monkeypatch):
