@@ -99,24 +99,11 @@ def test_finite_element_file_holds_closure_and_conductance(tmp_path):
     assert "** of steel\n** gap_at_touch = 2e-06 m\n" in path.read_text()
 
 
-BAD = [
-    ("law.txt", {}, r"\.csv"),
-    ("law.inp", {"conductivity": -1.0}, "conductivity"),
-    ("law.inp", {"conductivity": (1.0, 2.0, 3.0)}, "conductivity"),
-    ("law.inp", {"name": "ROUGH, TYPE=X"}, "name"),
-    ("missing/law.inp", {}, "folder"),
-]
-
-
-def test_bad_arguments_write_no_file(tmp_path):
-    for path, arguments, reason in BAD:
-        with pytest.raises(SceneError, match=reason):
-            write_law(power_law(), tmp_path / path, **arguments)
-        assert not list(tmp_path.iterdir())
-
-
-def test_a_flat_surface_has_no_table_for_finite_elements(tmp_path):
+def test_what_cannot_be_written_leaves_no_file(tmp_path):
+    """Other arguments that are refused are in tests/unit/commands/test_law.py."""
     law = power_law()
+    with pytest.raises(SceneError, match="conductivity"):
+        write_law(law, tmp_path / "law.inp", conductivity=(1.0, 2.0, 3.0))
     law.values["gap_mean"][:] = 0.0
     with pytest.raises(SceneError, match="rough"):
         write_law(replace(law, gap_at_touch=0.0), tmp_path / "law.inp")

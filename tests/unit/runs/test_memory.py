@@ -76,14 +76,14 @@ def test_limit_of_the_process(monkeypatch):
 @pytest.mark.parametrize(
     ("keys", "copies"),
     [
-        ("crop = [0, 0, 0.5, 0.5]", 0.35),
+        pytest.param("crop = [0, 0, 0.5, 0.5]", 0.35, marks=pytest.mark.quick),
         ('crop = [0, 0, 0.5, 0.5], detrend = "tilt"', 0.6),
         ('detrend = "tilt"', 2.3),
         ('boundary = "mirror", detrend = "tilt"', 5.2),
         ("downsample = 8", 1.3),
-        ('boundary = "mirror", refine = 2', 31.0),
+        pytest.param('boundary = "mirror", refine = 2', 31.0, marks=pytest.mark.quick),
         ("flip = true", 2.1),
-        ('fill = "harmonic", boundary = "periodic"', 3.0),
+        pytest.param('fill = "harmonic", boundary = "periodic"', 3.0, marks=pytest.mark.quick),
         ('window = "hann"', 3.2),
         ('spikes = "median"', 3.2),
     ],

@@ -5,13 +5,9 @@ import pytest
 from faults.seeds import seeds
 
 from hpc_gfmd.output import read
-from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.guard import collective_errors
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface import files
 from hpc_gfmd.surface.topography import open_topography
-from hpc_gfmd.util.errors import GfmdError
-from hpc_gfmd.util.quantities import parse
 
 
 def test_in_the_reader_of_results(tmp_path, monkeypatch, cli):
@@ -27,16 +23,3 @@ def test_in_the_reader_of_maps(tmp_path, monkeypatch):
     monkeypatch.setattr(files, "require_map", None)
     with pytest.raises(TypeError):
         open_topography(File(kind="file", path=str(tmp_path / "z.npy"), physical_sizes=(1, 1)))
-
-
-def read_together(text):
-    """Parse a text in a block of which errors are raised on all ranks."""
-    with collective_errors(SerialComm(), "reading"):
-        parse(text, "length")
-
-
-def test_in_a_collective_block():
-    with pytest.raises(TypeError):
-        read_together(None)
-    with pytest.raises(GfmdError, match="reading: it is not a number with a unit"):
-        read_together("1")
