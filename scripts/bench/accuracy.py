@@ -51,17 +51,8 @@ def run(args):
 
 
 def draw(path, rows, peers):
-    """Draw FFT pairs against the largest error of area, gap and pressure.
-
-    Parameters
-    ----------
-    path : Path
-        The picture is written beside this file.
-    rows : list of dict
-        Rows of this measurement; those of the largest grid are drawn.
-    peers : str
-        File of rows of `bench peers`, which the picture shows, too; "" for none.
-    """
+    """Draw FFT pairs against the largest error of area, gap and pressure, for the rows of the
+    largest grid and those of other codes (file `peers`; "" for none), beside the file of rows."""
     largest = max(row["n"] for row in rows)
     rows = [row for row in rows if row["n"] == largest]
     rows += rows_of_peers(peers, rows)
@@ -74,17 +65,8 @@ def draw(path, rows, peers):
 
 
 def rows_of_peers(path, rows):
-    """Return rows of other codes on the same contacts.
-
-    Their FFT pairs follow from their iterations, and their errors are those of the pressure.
-
-    Parameters
-    ----------
-    path : str
-        File of rows of `bench peers`; "" for none.
-    rows : list of dict
-        Rows of our solvers.
-    """
+    """Return the rows of other codes (file at path; "" for none) on the contacts of our rows. Their
+    FFT pairs follow from their iterations, and their errors are those of the pressure."""
     if not path:
         return []
     pairs_per_iteration = tomllib.loads(CODES.read_text())["pairs_per_iteration"]

@@ -70,20 +70,8 @@ def _table(grid, fft):
 
 
 def love(x, y, a, b):
-    """Return the compliance S of a cell under unit pressure (Love's solution).
-
-    Parameters
-    ----------
-    x, y : ndarray
-        Distances from the middle of the cell along the axes, of any lengths (m,) and (n,).
-    a, b : float
-        Half the sides of the cell.
-
-    Returns
-    -------
-    ndarray, shape (m, n)
-        Displacement over the root of the cell's area.
-    """
+    """Return the compliance S (m, n) of a cell with half sides a and b under unit pressure (Love's
+    solution), over the root of its area, at distances x (m,) and y (n,) from its middle."""
     signs = product((1, -1), repeat=2)
     return sum(s * t * _corner(x[:, None] + s * a, y + t * b) for s, t in signs) / np.pi
 

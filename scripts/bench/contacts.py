@@ -87,12 +87,7 @@ class RoughContact:
     @cached_property
     def reference(self):
         """The row and the pressure of a solution far more accurate than those that are measured.
-
-        Raises
-        ------
-        GfmdError
-            If the solver does not reach that accuracy.
-        """
+        Raises GfmdError if the solver does not reach that accuracy."""
         row, pressure = self.press(precision="double", residual=1e-9)
         if not row["estimates"][2] < LARGEST_REFERENCE_ERROR:
             raise hpc_gfmd.GfmdError(

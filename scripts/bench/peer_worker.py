@@ -196,17 +196,8 @@ def versions_of(kind):
 
 
 def solve(code, tolerance, pressure_to):
-    """Solve once, save the pressure and return the numbers of the solve.
-
-    Parameters
-    ----------
-    code : object
-        Of a class in KINDS.
-    tolerance : float
-        In the meaning of the code.
-    pressure_to : str
-        File of the pressure.
-    """
+    """Solve once, save the pressure to a file and return the numbers of the solve; the tolerance
+    has the meaning of the code."""
     wall_begin = time.perf_counter()
     cpu_begin = time.process_time()
     result, iterations, status = code.solve(tolerance)

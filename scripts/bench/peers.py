@@ -35,13 +35,8 @@ MAX_TRIES = 25  # tolerances of a search
 
 
 def peers_python():
-    """Return the interpreter of the environment that scripts/bench-peers-setup makes.
-
-    Raises
-    ------
-    SceneError
-        If there is no such environment.
-    """
+    """Return the interpreter of the environment that scripts/bench-peers-setup makes. Raises
+    SceneError if there is none."""
     root = os.environ.get("HPC_GFMD_PEERS") or Path(__file__).resolve().parents[2] / ".venv-peers"
     python = Path(root) / "bin" / "python"
     if not python.exists():
@@ -53,22 +48,8 @@ def peers_python():
 
 
 class Code(Process):
-    """A process that solves contacts with one code.
-
-    Parameters
-    ----------
-    name : str
-        Key of codes.toml.
-    folder : Path
-        Folder for the pressure.
-    exact_pressure : ndarray
-        Exact solution in the discretisation of the code.
-
-    Attributes
-    ----------
-    is_ours : bool
-        Whether it is this package.
-    """
+    """A process that solves contacts with one code (a key of codes.toml), whose exact solution is
+    exact_pressure in its discretisation."""
 
     def __init__(self, name, folder, exact_pressure):
         self.is_ours = name in CODES["ours"]
@@ -102,13 +83,8 @@ class Contender(NamedTuple):
 
 
 def run(args):
-    """Compare all codes on all contacts.
-
-    Raises
-    ------
-    SceneError
-        For codes that are unknown or not installed, and for a wrong boundary or hardness.
-    """
+    """Compare all codes on all contacts. Raises SceneError for codes that are unknown or not
+    installed, and for a wrong boundary or hardness."""
     if args.boundary not in ("periodic", "free"):
         raise SceneError(f"--boundary: found {args.boundary!r}, allowed: periodic, free")
     free = args.boundary == "free"
@@ -198,21 +174,8 @@ def _times_over_ours(rows, our_rows):
 def _loosest(solve, target, budget):
     """Return a tolerance whose error just meets a target, and the row of the solve that shows it.
 
-    The search starts from a loose tolerance and tightens it in proportion to the error.
-
-    Parameters
-    ----------
-    solve : function
-        solve(tolerance) returns a row with "error".
-    target : float
-        Largest error.
-    budget : float
-        Seconds after which the search ends.
-
-    Raises
-    ------
-    GfmdError
-        If no tolerance meets the target within the budget.
+    The search starts from a loose tolerance and tightens it in proportion to the "error" of
+    solve(tolerance). Raises GfmdError if no tolerance meets the target within a budget of seconds.
     """
     begin = time.perf_counter()
     tolerance = 0.3

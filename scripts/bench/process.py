@@ -64,19 +64,8 @@ def _add(report, contact, threads, rounds, fewest):
 
 
 def worker(comm, n, p_star, boundary="periodic", companions=0, **settings):
-    """Return a function that solves the same contact once more and returns its times.
-
-    Parameters
-    ----------
-    comm : SerialComm
-        This process.
-    n, p_star, boundary
-        See RoughContact.
-    companions : int
-        How many other processes make the same solve at the same time.
-    **settings
-        Arguments of hpc_gfmd.solve.
-    """
+    """Return a function that solves the same contact once more and returns its times, while
+    `companions` other processes make the same solve. **settings are arguments of hpc_gfmd.solve."""
     contact = RoughContact(n, p_star, boundary=boundary)
     contact.surface  # noqa: B018 (made before anything is timed)
     cold_seconds = contact.press(**settings)[0]["seconds"]

@@ -71,17 +71,8 @@ class Stopwatch:
         self._inner_seconds = 0.0
 
     def watch(self, owner, method, name):
-        """Time a method from now on.
-
-        Parameters
-        ----------
-        owner : object or type
-            One object, or a class: then the method is timed for all its objects.
-        method : str
-            Name of the method.
-        name : str
-            Key of its seconds; several methods can share one.
-        """
+        """Time a method of an object, or of all objects of a class, from now on; several methods
+        can share a name."""
         function = getattr(owner, method)
         self.seconds.setdefault(name, 0.0)
 
@@ -167,28 +158,11 @@ class Process:
 
 
 def run_workers(item, jobs, repeats, warm_ups=1):
-    """Run the workers of an item in turn and return what they measured.
+    """Run the workers of an item (a file of this folder, see `serve`) in turn and return the rows
+    of each.
 
-    Parameters
-    ----------
-    item : str
-        File of this folder with a `worker`, which `serve` runs.
-    jobs : dict
-        (number of ranks, arguments of the worker) by any key.
-    repeats : int
-        Measurements of each worker.
-    warm_ups : int
-        Measurements before those, which do not count.
-
-    Returns
-    -------
-    dict of list
-        Rows of each worker, by the keys of jobs.
-
-    Raises
-    ------
-    GfmdError
-        If a worker fails.
+    jobs: (number of ranks, arguments of the worker) by any key. The warm-ups come first and do not
+    count. Raises GfmdError if a worker fails.
     """
     rows = {name: [] for name in jobs}
     with ExitStack() as stack:
@@ -208,11 +182,8 @@ def run_workers(item, jobs, repeats, warm_ups=1):
 def serve(worker):
     """Act as a worker: measure once for each line on the standard input. Collective.
 
-    Parameters
-    ----------
-    worker : function
-        worker(comm, **arguments) prepares everything and returns a function that measures once;
-        the rows that this returns are printed as JSON on rank 0.
+    worker(comm, **arguments) prepares everything and returns a function that measures once; the
+    rows that this returns are printed as JSON on rank 0.
     """
     comm = world()
     measure = worker(comm, **json.loads(sys.argv[1]))

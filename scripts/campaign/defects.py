@@ -50,21 +50,8 @@ def rough_with_a_pit(rng):
 
 
 def hexagonal_heights(rng, n, count, jitter, spread):
-    """Return round bumps on a hexagonal lattice.
-
-    Parameters
-    ----------
-    rng : Generator
-        Source of random numbers.
-    n : int
-        Points along an axis.
-    count : int
-        Bumps along x.
-    jitter : float
-        Scatter of their places over their distance.
-    spread : float
-        Scatter of their heights.
-    """
+    """Return round bumps on a hexagonal lattice: n points along an axis and `count` bumps along x,
+    whose places scatter by `jitter` over their distance and whose heights by `spread`."""
     rows = 2 * round(count / np.sqrt(3))
     x = np.arange(n) / n
     z = np.full((n, n), -np.inf)

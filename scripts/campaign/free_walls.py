@@ -36,17 +36,7 @@ def with_free_edges(rng, z, sizes=None, free=None, **loads):
 
 
 def scan(rng, n, crown=0.0):
-    """Return a part of a larger rough surface on a crown.
-
-    Parameters
-    ----------
-    rng : Generator
-        Source of random numbers.
-    n : (int, int)
-        Points.
-    crown : float
-        Height of the crown over the rms height.
-    """
+    """Return a part of a larger rough surface, on a crown of a height over the rms height."""
     m = tuple(k + int(rng.integers(k // 4, k + 1)) for k in n)
     z = rough(rng, m)[: n[0], : n[1]]
     x, y = coordinates(n, (1.0, n[1] / n[0]))

@@ -69,10 +69,7 @@ def changes(rng, closed):
 
 
 def judged_displacements(wall, way):
-    """Yield (number of the change, columns) of each change of the displacement of the first load.
-
-    For the arguments see `sticky_walls.judged_rows`.
-    """
+    """Yield (number of the change, columns) of changes of the displacement of the first load."""
     dtype = np.dtype(np.float32 if way["precision"] == "single" else np.float64)
     contact, (truth,), hardness = truths(
         wall.heights, wall.physical_sizes, wall.loads, wall.free, wall.hardness, wall.hardness_star

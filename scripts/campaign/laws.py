@@ -28,7 +28,7 @@ def judged_laws(wall, way):
     """Yield (number of the load, columns) of each load between those of the law.
 
     What counts is the error that the law claims at the loads on either side: where it cannot reach
-    the one that was asked for, it says so. For the arguments see `sticky_walls.judged_rows`.
+    the one that was asked for, it says so.
     """
     keys = keywords(wall)
     unit = wall.E_star * hpc_gfmd.solve(wall.heights, wall.E_star, fields=(), **keys).g_rms

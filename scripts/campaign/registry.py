@@ -166,21 +166,11 @@ def keywords(wall):
 
 
 def outcome(solution, contact, true, claimed=None, **columns):
-    """Return the columns of a solution.
+    """Return the columns of a solution with its exact number of contact points and its true errors
+    of area, mean gap and pressure.
 
-    Parameters
-    ----------
-    solution : hpc_gfmd.Solution
-        The solution.
-    contact : int
-        Exact number of points in contact.
-    true : sequence of float
-        True errors of area, mean gap and pressure.
-    claimed : sequence of float, optional
-        Claimed errors; those of the solution by default.
-    **columns
-        Further columns. `kkt` is the violation of its conditions by the truth; 0 where there is no
-        other truth than the status says.
+    The claimed errors are those of the solution by default. `kkt` is the violation of its
+    conditions by the truth; 0 where there is no other truth than the status says.
     """
     return {
         "contact": contact,
@@ -194,19 +184,8 @@ def outcome(solution, contact, true, claimed=None, **columns):
 
 
 def sweep_of(wall, hardness=None, attraction=None, **settings):
-    """Return a sweep of a wall on this process.
-
-    Parameters
-    ----------
-    wall : Wall
-        The wall.
-    hardness : float, optional
-        Hardness in the units of the wall.
-    attraction : hpc_gfmd.laws.Law, optional
-        Attraction in its units.
-    **settings
-        Keys of [solver] in a scene.
-    """
+    """Return a sweep of a wall on this process, with a hardness and an attraction in the units of
+    the wall. **settings are keys of [solver] in a scene."""
     model = ContactModel(wall.E_star, body_of(Material(), wall.free), hardness, attraction)
     return Sweep(partial(surface_of_wall, wall), SolverTable(**settings), model)
 

@@ -20,17 +20,8 @@ SINGLE_FINEST = 1e-4  # tightest accuracy that is requested in single precision
 
 
 def ways(solvers, precisions, accuracies, low_memory):
-    """Return (solver, precision, accuracy, low_memory) of all solves of a wall.
-
-    Parameters
-    ----------
-    solvers, precisions : sequence of str
-        Names.
-    accuracies : sequence of float
-        Requested accuracies.
-    low_memory : str
-        "yes", "no" or "only".
-    """
+    """Return (solver, precision, accuracy, low_memory) of all solves of a wall; the argument
+    low_memory is "yes", "no" or "only"."""
     plain = [
         (s, p, e, False)
         for s, p, e in product(solvers, precisions, accuracies)
@@ -107,16 +98,8 @@ def main(args):
 
 
 def names(requested, without=()):
-    """Return names of families.
-
-    Parameters
-    ----------
-    requested : sequence of str
-        Names of families or groups: all, single (periodic, one load each), free (with free edges),
-        sweeps, targets (prescribed areas and gaps).
-    without : sequence of str
-        Families to leave out.
-    """
+    """Return the names of the requested families and groups: all, single (periodic, one load each),
+    free (with free edges), sweeps, targets (prescribed areas and gaps)."""
     from .families import FAMILIES
 
     groups = {"all": list(FAMILIES), "single": [], "free": [], "sweeps": [], "targets": []}

@@ -56,22 +56,9 @@ def coordinates(n, sizes):
 def rough(rng, n, sizes=None, hurst=None, modes=None, roll_off=1.0, stretch=1.0):
     """Return self-affine heights with rms 1.
 
-    Parameters
-    ----------
-    rng : Generator
-        Source of random numbers.
-    n : (int, int)
-        Points.
-    sizes : (float, float), optional
-        Size of the cell; square pixels by default.
-    hurst : float, optional
-        Random by default.
-    modes : (float, float), optional
-        Lowest and highest |q| L_x / 2 pi; random by default.
-    roll_off : float
-        |q| over the lowest one below which the spectrum is flat.
-    stretch : float
-        Wavelengths along y over those along x.
+    modes: lowest and highest |q| L_x / 2 pi, random by default, like the Hurst exponent. The
+    spectrum is flat below roll_off times the lowest |q|. stretch: wavelengths along y over those
+    along x.
     """
     sizes = sizes or square_pixels(n)
     hurst = rng.uniform(0, 1) if hurst is None else hurst

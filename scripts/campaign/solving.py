@@ -30,22 +30,8 @@ STATUS_OF_ERROR = {"TooSlow": "too slow", "SceneError": "refused"}
 
 
 def rows_of(name, seed, index, ways, seconds=SECONDS):
-    """Solve a wall in several ways.
-
-    Parameters
-    ----------
-    name, seed, index
-        Family, seed and number of the wall.
-    ways : list of tuple
-        (solver, precision, accuracy, low_memory).
-    seconds : float
-        Time limit.
-
-    Returns
-    -------
-    list of dict
-        A row for each way and load; errors are rows, too.
-    """
+    """Solve a wall in several ways (solver, precision, accuracy, low_memory), each within a time
+    limit; return a row for each way and load. Errors are rows, too."""
     head = {"family": name, "seed": seed, "index": index}
     try:
         wall = make(name, seed, index)
@@ -138,31 +124,12 @@ def _judged_targets(wall, way, contact, exact, hardness):
 
 
 def missed(solution, truth, contact, quantity, value, accuracy, hardness=None):
-    """Return by how much a target is missed.
+    """Return by how much a target (a_r or gap_over_h_rms) is missed by a solution, whose truth is
+    that of its load.
 
-    Parameters
-    ----------
-    solution : hpc_gfmd.Solution
-        Solution of the target.
-    truth : Truth
-        Exact solution at its load.
-    contact : Contact
-        Exact contact.
-    quantity : str
-        "a_r" or "gap_over_h_rms".
-    value : float
-        The target.
-    accuracy : float
-        Requested accuracy.
-    hardness : float, optional
-        Hardness over E* g_rms.
-
-    Returns
-    -------
-    dict
-        missed: relative distance, 0 within the accuracy, within one point of an area, or on the
-        nearer side of a jump that the truth has, too; for areas also jump (whether a jump was
-        noted) and nearest (nearest number of points).
+    missed: relative distance, 0 within the accuracy, within one point of an area, or on the nearer
+    side of a jump that the truth has, too. For areas also jump (whether a jump was noted) and
+    nearest (nearest number of points). The hardness is over E* g_rms.
     """
     if quantity != "a_r":
         h_rms = np.std(contact.h[contact.D])
@@ -183,21 +150,8 @@ def missed(solution, truth, contact, quantity, value, accuracy, hardness=None):
 
 
 def nearest_count(contact, p_star, points, hardness=None):
-    """Return the number of contact points nearest to a target that loads near p* have.
-
-    It is found by bisection. Contacts with ties are on both sides of a jump and do not count.
-
-    Parameters
-    ----------
-    contact : Contact
-        Exact contact.
-    p_star : float
-        Load from which the bisection starts.
-    points : float
-        Target.
-    hardness : float, optional
-        Hardness over E* g_rms.
-    """
+    """Return the number of contact points nearest to a target that loads near p* have, by
+    bisection. Contacts with ties are on both sides of a jump and do not count."""
     counts = {}
     nearest = np.inf
 

@@ -50,7 +50,6 @@ def judged_gaps(wall, way):
     """Yield (number of the gap, columns) of each prescribed gap.
 
     At a saddle the true error of the area is infinite; that of the gap is by how much it is missed.
-    For the arguments see `sticky_walls.judged_rows`.
     """
     quantity, values = wall.targets
     reach = wall.attraction.reach * np.ptp(wall.heights)

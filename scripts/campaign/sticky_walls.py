@@ -74,15 +74,8 @@ def law_of(wall, surface):
 
 
 def judged_rows(wall, way):
-    """Yield (number of the load, columns) with the true and the claimed errors of each load.
-
-    Parameters
-    ----------
-    wall : Wall
-        With an attraction.
-    way : dict
-        Its `precision` and `accuracy` are those of the solver.
-    """
+    """Yield (number of the load, columns) with the true and the claimed errors of each load of an
+    adhesive wall; precision and accuracy of the way are those of the solver."""
     attraction = law_of(wall, surface_of_wall(wall, float))
     settings = {"precision": way["precision"], "accuracy": way["accuracy"]}
     sweep = sweep_of(wall, attraction=attraction, **settings)

@@ -68,15 +68,8 @@ def grouped(rows, by="family"):
 
 
 def markdown(groups, by="family"):
-    """Return counts as a Markdown table.
-
-    Parameters
-    ----------
-    groups : dict
-        {name: counts}, as returned by `grouped`.
-    by : str
-        Heading of the names.
-    """
+    """Return counts {name: counts}, as `grouped` returns them, as a Markdown table; `by` is the
+    heading of the names."""
     lines = [
         f"| {by} | solves | converged | less accurate than asked (area / gap / pressure)"
         " | else above own estimate | other outcomes | mean pairs |",

@@ -69,19 +69,8 @@ class Truth:
     gap: np.ndarray
 
     def errors(self, contact, gap_mean, pressure):
-        """Return the true relative errors of area, mean gap and pressure field (L2).
-
-        Ties do not count as errors of the area.
-
-        Parameters
-        ----------
-        contact : int
-            Points in contact of a solution.
-        gap_mean : float
-            Its mean gap, in units of g_rms a.
-        pressure : ndarray
-            Its pressure, in units of E* g_rms.
-        """
+        """Return the true relative errors of area, mean gap and pressure field (L2) of a solution
+        in the units of the truth. Ties do not count as errors of the area."""
         too_many = contact - self.contact - self.ties_out
         too_few = self.contact - self.ties_in - contact
         points = max(too_many, too_few, 0)
@@ -165,17 +154,8 @@ class Contact:
         return fft.irfft2(multiplier * fft.rfft2(x), s=self.n)
 
     def solve(self, p_star, start=None, hardness=None):
-        """Return the exact solution of a load.
-
-        Parameters
-        ----------
-        p_star : float
-            The load.
-        start : ndarray, optional
-            Pressure of a similar load.
-        hardness : float, optional
-            In units of p*.
-        """
+        """Return the exact solution of a load, from the pressure of a similar one if there is a
+        start; the hardness is in units of p*."""
         limit = np.inf if hardness is None else hardness
         p = self.D * p_star if start is None else self.on_cell(start)
         p = self._dual_gradients(p, p_star, limit, FIRST_STEPS)
@@ -514,29 +494,11 @@ def _conjugate_gradients(apply, precondition, b, max_steps, relative, absolute):
 
 
 def truths(z, sizes, loads, free=(False, False), hardness=None, hardness_star=None):
-    """Return the contact, the truths of its loads and the hardness in units of p*.
+    """Return the contact, the truths of its loads in the order of solving and the hardness in units
+    of p*, None without one.
 
-    Parameters
-    ----------
-    z : ndarray
-        Heights.
-    sizes : (float, float)
-        Size of the cell.
-    loads : sequence of float
-        p* in the order of solving.
-    free : (bool, bool)
-        Whether x and y have free edges.
-    hardness : float, optional
-        Over the largest pressure of the loads without one; it is at least ABOVE_LOADS times the
-        largest load.
-    hardness_star : float, optional
-        In units of p*.
-
-    Returns
-    -------
-    contact : Contact
-    exact : list of Truth
-    hardness : float or None
+    The hardness is given in units of p* (hardness_star), or over the largest pressure of the loads
+    without one, but at least ABOVE_LOADS times the largest load.
     """
     contact = Contact(z, sizes, free)
     if hardness_star is not None:

@@ -80,15 +80,8 @@ class Case:
         return [key_of(self.surface | {"p_star": p}) for p in self.p_star]
 
     def is_in(self, stored: dict[tuple, dict], key: tuple) -> bool:
-        """Return whether a load is stored with all its observables and distributions.
-
-        Parameters
-        ----------
-        stored : dict
-            {key: run} of a Store.
-        key : tuple
-            One of `keys`.
-        """
+        """Return whether the load of a key (one of `keys`) is stored, as `Store.stored` returns it,
+        with all its observables and distributions."""
         columns = {*self.observables, *(f"{name}_distribution" for name in self.distributions)}
         return key in stored and columns <= set(stored[key])
 
@@ -106,22 +99,8 @@ def key_of(run: dict) -> tuple[float, ...]:
 
 
 def series(name: str, level: str, hurst: Iterable[float] | None = None) -> list[Case]:
-    """Return the cases of a series of the catalogue.
-
-    Parameters
-    ----------
-    name : str
-        Key of [series].
-    level : str
-        One of LEVELS.
-    hurst : iterable of float, optional
-        Hurst exponents; those of the series by default.
-
-    Raises
-    ------
-    SceneError
-        If there is no such level.
-    """
+    """Return the cases of a series of the catalogue at a level, for its own Hurst exponents or
+    others. Raises SceneError if there is no such level."""
     if level not in LEVELS:
         raise SceneError(f"--level: found {level!r}, allowed: {', '.join(LEVELS)}")
     entry = CATALOGUE["series"][name]
@@ -162,19 +141,7 @@ def merged(cases: list[Case]) -> list[Case]:
 class Store:
     """The runs in a folder: one JSON line per surface and load in files runs*.jsonl or .jsonl.gz.
 
-    Lines are appended when a load is solved and never change.
-
-    Parameters
-    ----------
-    folder : str or Path
-        The folder.
-
-    Attributes
-    ----------
-    folder : Path
-        The folder.
-    path : Path
-        File to which runs are appended.
+    Lines are appended to `path` when a load is solved and never change.
     """
 
     def __init__(self, folder):

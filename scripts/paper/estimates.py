@@ -34,20 +34,8 @@ JACKKNIFE = 20  # groups of realisations that are left out one after the other
 def jackknife(
     estimate: Callable[[np.ndarray], ArrayLike], count: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return an estimate and its standard error.
-
-    Parameters
-    ----------
-    estimate : function
-        estimate(indices) makes an estimate, or several, from some surfaces.
-    count : int
-        Number of surfaces.
-
-    Returns
-    -------
-    value, sigma : ndarray
-        The estimate from all surfaces, and its standard error (nan for one surface).
-    """
+    """Return an estimate, or several, and the standard errors (nan for one surface).
+    estimate(indices) makes them from some of `count` surfaces."""
     all_indices = np.arange(count)
     parts = np.array_split(all_indices, min(count, JACKKNIFE))
     value = np.asarray(estimate(all_indices))
@@ -58,14 +46,8 @@ def jackknife(
 
 
 def weighted_mean(values: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
-    """Return a weighted mean and its standard error.
-
-    Parameters
-    ----------
-    values, errors : array_like
-        Values and their standard errors. If the values scatter by more than that, the standard
-        error of the mean is scaled up.
-    """
+    """Return a weighted mean and its standard error, which is scaled up if the values scatter by
+    more than their own errors."""
     value = np.asarray(values)
     weight = np.asarray(errors) ** -2.0
     mean = float(np.average(value, weights=weight))
@@ -74,22 +56,9 @@ def weighted_mean(values: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
 
 
 def power_law(rows: Rows, x: str, y: str, cov: Any = "unscaled") -> tuple[Any, Any]:
-    """Fit a power law and return its exponent and standard error.
-
-    Parameters
-    ----------
-    rows : list of dict
-        The data; rows without a positive y are skipped.
-    x, y : str
-        Columns; y_se has the standard errors of y.
-    cov : "unscaled" or True
-        True scales the standard error by how well the law fits.
-
-    Returns
-    -------
-    exponent, sigma : float or None
-        None if there are fewer than three values of x.
-    """
+    """Fit y ~ x^exponent to the rows with a positive y, whose errors are y_se; return (exponent,
+    standard error), None twice for fewer than three x. cov=True scales the error by how well the
+    law fits."""
     rows = [row for row in rows if row.get(y) and row[y] > 0]
     if len({row[x] for row in rows}) < 3:
         return None, None
@@ -124,15 +93,7 @@ class Scatter:
 
     @classmethod
     def of(cls, runs: Rows, observable: str) -> Self:
-        """Return the scatter of an observable in runs at one H and p*.
-
-        Parameters
-        ----------
-        runs : list of dict
-            Runs with several seeds and ratios.
-        observable : str
-            Column.
-        """
+        """Return the scatter of a column of runs at one H and p*, with several seeds and ratios."""
         alike = groups(runs, "eps_t", "eps_f", "eps_c")
         points = []
         deviations: dict[tuple, dict] = defaultdict(dict)
@@ -160,19 +121,7 @@ class Scatter:
         return self.jitter * run["eps_t"] * run["eps_f"] * run["eps_c"]
 
     def covariance(self, runs: Rows, observable: str) -> np.ndarray:
-        """Return the covariance of runs due to realisations, grids and the solver.
-
-        Parameters
-        ----------
-        runs : list of dict
-            The runs.
-        observable : str
-            Column.
-
-        Returns
-        -------
-        ndarray, shape (runs, runs)
-        """
+        """Return the covariance (runs, runs) of a column by realisations, grids and the solver."""
         value = np.array([run[observable] for run in runs])
         sigma = value * [self.relative(run) for run in runs]
         octaves = np.log2([run["eps_f"] for run in runs])
@@ -233,24 +182,13 @@ def _memory(deviations):
 
 
 def average(runs: Rows, *observables: str) -> Rows:
-    """Average over realisations.
+    """Average columns over realisations.
 
     Surfaces that are solved on several grids, some of them for fewer seeds, are averaged as ratios
     to the grid with most seeds, so that means along eps_c do not jump with the choice of seeds.
-
-    Parameters
-    ----------
-    runs : list of dict
-        The runs.
-    *observables : str
-        Columns to average.
-
-    Returns
-    -------
-    list of dict
-        A row for each pressure and surface without its seed, in order: COLUMNS, n_seeds, the mean
-        of each observable and NAME_se, its scatter over sqrt(n_seeds); None if no surface has two
-        seeds.
+    Return a row for each pressure and surface without its seed, in order: COLUMNS, n_seeds, the
+    mean of each observable and NAME_se, its scatter over sqrt(n_seeds); None if no surface has two
+    seeds.
     """
     rows: Rows = []
     for family in groups(runs, "hurst", "p_star").values():
@@ -294,23 +232,8 @@ def along_c(runs: Rows, level: str) -> Rows:
 def fit_runs(
     runs: Rows, observable: str, scatter: Scatter, alpha: dict, limit: float | None = None
 ) -> TfcFit:
-    """Fit eq. tfc to runs at one H and p* with their covariance.
-
-    Standard errors are scaled up if the law does not fit within them.
-
-    Parameters
-    ----------
-    runs : list of dict
-        The runs.
-    observable : str
-        Column.
-    scatter : Scatter
-        Of the observable.
-    alpha : dict
-        {term: exponent} of the terms "t", "f" and "c" to fit; None for a free exponent.
-    limit : float, optional
-        Limit of the observable; free by default.
-    """
+    """Fit eq. tfc to a column of runs at one H and p* with their covariance. For `alpha` and
+    `limit` see fit_tfc; standard errors are scaled up if the law does not fit within them."""
     eps = {i: np.array([run[f"eps_{i}"] for run in runs]) for i in alpha}
     value = np.array([run[observable] for run in runs])
     fit = fit_tfc(eps, value, scatter.covariance(runs, observable), alpha, limit)
@@ -327,28 +250,14 @@ def known_scatter(runs: Rows, observable: str) -> Scatter:
 
 
 def fit_observable(runs: Rows, observable: str, level: str, printed: bool = False) -> TfcFit:
-    """Fit eq. tfc on the axes through the reference system, as the paper does.
+    """Fit eq. tfc to runs at one H and p*, on the axes through the reference system of the level,
+    as the paper does.
 
     The limit of kappa is free. That of the gap in units of h_rms is zero, and only the finer half
-    of the octaves of eps_f is fitted.
-
-    Parameters
-    ----------
-    runs : list of dict
-        Runs at one H and p*.
-    observable : str
-        Column.
-    level : str
-        Level of effort, which defines the reference system.
-    printed : bool
-        Whether to use the paper's exponents alpha_t, alpha_f, alpha_c = 1, 0.67, 0.67 (for the gap
-        1, free, 1). Otherwise alpha_t = 1, alpha_f is fitted, alpha_c is that of the longest eps_c
-        series, and the covariance contains the uncertainty of both.
-
-    Raises
-    ------
-    SceneError
-        If the series are too short.
+    of the octaves of eps_f is fitted. `printed` uses the paper's exponents alpha_t, alpha_f,
+    alpha_c = 1, 0.67, 0.67 (for the gap 1, free, 1). Otherwise alpha_t = 1, alpha_f is fitted,
+    alpha_c is that of the longest eps_c series, and the covariance contains the uncertainty of
+    both. Raises SceneError if the series are too short.
     """
     scatter = known_scatter(runs, observable)
     limit = None
@@ -388,23 +297,12 @@ def parameters_of(fit: TfcFit) -> np.ndarray:
 
 
 def local_exponents(runs: Rows, observable: str, level: str) -> Rows:
-    """Return alpha_c between neighbouring octaves of the longest eps_c series.
+    """Return alpha_c between neighbouring octaves of the longest eps_c series of runs at one H and
+    p*.
 
-    Parameters
-    ----------
-    runs : list of dict
-        Runs at one H and p*.
-    observable : str
-        Column.
-    level : str
-        Level of effort.
-
-    Returns
-    -------
-    list of dict
-        A row for each three grids: eps_c of the middle one, alpha from paired differences (None if
-        they change sign), alpha_se from the solver and, for three seeds or more, a jackknife, and
-        n_seeds.
+    There is a row for each three grids: eps_c of the middle one, alpha from paired differences
+    (None if they change sign), alpha_se from the solver and, for three seeds or more, a jackknife,
+    and n_seeds.
     """
     series = groups(along_c(runs, level), "lam_s_over_a")
     grids = {c: {run["seed"]: run for run in part} for c, part in series.items()}
@@ -453,7 +351,7 @@ AGREE = 6.6  # chi2 by which 2 - 2H may be worse than the best exponent (1 % sig
 
 
 def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | None) -> dict:
-    """Fit kappa, as counted or edge-corrected, at one H and p*.
+    """Fit kappa, as counted or edge-corrected (one of ROUTES), at one H and p*.
 
     The corrections of eq. tfc do not simply add up: a coarse grid increases the fractal correction.
     The model is therefore
@@ -463,28 +361,9 @@ def fit_limit(runs: Rows, observable: str, scatter: Scatter, alpha_f: float | No
 
     that is eq. tfc with the product that the data demand, and with a Taylor series in eps_c: the
     contact of a surface that is smooth below lam_s has a boundary of finite length, so the excess
-    of counted grid points is linear in eps_c for eps_c -> 0.
-
-    Parameters
-    ----------
-    runs : list of dict
-        The runs.
-    observable : str
-        One of ROUTES.
-    scatter : Scatter
-        Of the observable.
-    alpha_f : float or None
-        Exponent of eps_f; None for a free one.
-
-    Returns
-    -------
-    dict
-        kappa, kappa_se (scaled up if the model does not fit), alpha_f, alpha_f_se, chi2, dof.
-
-    Raises
-    ------
-    SceneError
-        If the runs do not determine the parameters.
+    of counted grid points is linear in eps_c for eps_c -> 0. alpha_f None is a free exponent.
+    kappa_se is scaled up if the model does not fit. Raises SceneError if the runs do not determine
+    the parameters.
     """
     errors = scatter.covariance(runs, observable)
     columns = (observable, "eps_t", "eps_f", "eps_c")
@@ -525,14 +404,10 @@ def limits(runs: Rows) -> Rows:
     exponents of both, otherwise with the free exponents. The coarsest third of the octaves of eps_f
     is left out, because no power law holds there.
 
-    Returns
-    -------
-    list of dict
-        A row for each H and p* with enough runs: hurst, p_star, kappa_tfc, kappa_tfc_se, counted
-        and edge (the two fits), alpha_f (mean of the free exponents), alpha_f_se, agrees.
-        kappa_tfc_se combines realisations and solver, half the difference of the two fits, the
-        effect of leaving out one more octave and, if the exponents disagree, half the effect of
-        that.
+    There is a row for each H and p* with enough runs, with both fits (counted, edge) and the mean
+    of the free exponents (alpha_f). kappa_tfc_se combines realisations and solver, half the
+    difference of the two fits, the effect of leaving out one more octave and, if the exponents
+    disagree, half the effect of that.
     """
     rows = []
     for _, _, family in families(runs):
@@ -606,7 +481,8 @@ LOADS = 0.25  # the deviations of a surface at loads p < p' are correlated by (p
 
 
 def continuum(runs: Rows, observable: str) -> dict[tuple, tuple]:
-    """Return the limit of an observable for each H, eps_f and p_star from all runs together.
+    """Return the limit of an observable (of GRID_TERMS) for each H, eps_f and p_star from all runs
+    together.
 
         ln value = ln limit + C_t eps_t + C_1 eps_c + sum over k of eps_c^k (smooth function of H,
         ln eps_f, ln p_star)
@@ -616,23 +492,9 @@ def continuum(runs: Rows, observable: str) -> dict[tuple, tuple]:
     depend on H, eps_f and a small load. Its effect is therefore common to all of them (except C_1
     of the area as counted) and well determined even if one surface has few contacts.
 
-    Parameters
-    ----------
-    runs : list of dict
-        All runs.
-    observable : str
-        Key of GRID_TERMS.
-
-    Returns
-    -------
-    dict
-        {(H, eps_f, p_star): (limit, standard error)}; errors are scaled up if the model does not
-        fit within them.
-
-    Raises
-    ------
-    SceneError
-        If a value is zero, the scatter is unknown or a term is not determined.
+    Return {(H, eps_f, p_star): (limit, standard error)}; errors are scaled up if the model does not
+    fit within them. Raises SceneError if a value is zero, the scatter is unknown or a term is not
+    determined.
     """
     parts = groups(runs, "hurst", "eps_f", "p_star")
     runs = [run for part in parts.values() for run in part]

@@ -43,22 +43,8 @@ SMALLEST_GAP = 1e-5  # gap/h_rms from which theory is drawn
 
 @contextmanager
 def panels(path: Path, columns: int, lines: int = 1, **settings: Any) -> Iterator[Any]:
-    """Yield the panels of a picture, which is written at the end.
-
-    Parameters
-    ----------
-    path : Path
-        File of the picture.
-    columns, lines : int
-        Numbers of panels.
-    **settings
-        Arguments of Figure.subplots.
-
-    Yields
-    ------
-    Axes or ndarray of Axes
-        One panel, or an array (columns,) or (lines, columns).
-    """
+    """Yield the panels of a picture, which is written at the end: an Axes, or an array (columns,)
+    or (lines, columns). **settings are arguments of Figure.subplots."""
     with styled():
         size = (2.0 + 2.4 * columns, 0.6 + 2.4 * lines)
         fig = Picture(figsize=size, layout="constrained")
@@ -80,40 +66,15 @@ def hurst_style(hurst: float) -> dict[str, Any]:
 
 
 def label_axes(ax: Any, x: str, y: str, **settings: Any) -> None:
-    """Label the axes of a panel.
-
-    Parameters
-    ----------
-    ax : Axes
-        The panel.
-    x, y : str
-        Columns, or texts.
-    **settings
-        Arguments of Axes.set.
-    """
+    """Label the axes of a panel with columns or texts; **settings are arguments of Axes.set."""
     ax.set(**{"xlabel": LABELS.get(x, x), "ylabel": LABELS.get(y, y)} | settings)
 
 
 def draw_points(
     ax: Any, rows: Rows, x: str, y: str, mark: str = "o", is_open: bool = False, **style: Any
 ) -> None:
-    """Draw one column against another, with error bars where there are standard errors.
-
-    Parameters
-    ----------
-    ax : Axes
-        The panel.
-    rows : list of dict
-        The data; rows without y are skipped.
-    x, y : str
-        Columns.
-    mark : str
-        Marker.
-    is_open : bool
-        Whether the marks are open.
-    **style
-        Arguments of Axes.errorbar, such as color, label, linestyle.
-    """
+    """Draw one column against another, with error bars where there are standard errors; rows
+    without y are skipped. **style are arguments of Axes.errorbar."""
     rows = [row for row in rows if row.get(y) is not None]
     if rows:
         defaults = {"linestyle": "", "linewidth": 0.8, "markersize": 4, "capsize": 2, "zorder": 3}
@@ -134,51 +95,23 @@ def _error_bars(rows, column):
 
 
 def draw_both_areas(ax: Any, rows: Rows, x: str, y: str, mark: str = "o") -> None:
-    """Draw y for each H: as counted with filled marks, edge-corrected with open ones.
-
-    Parameters
-    ----------
-    ax : Axes
-        The panel.
-    rows : list of dict
-        The data.
-    x, y : str
-        Columns; y_edge is the edge-corrected one.
-    mark : str
-        Marker.
-    """
+    """Draw y for each H: as counted with filled marks, edge-corrected (column y_edge) with open
+    ones."""
     for hurst, family in by_hurst(rows).items():
         draw_points(ax, family, x, y, mark, **hurst_style(hurst))
         draw_points(ax, family, x, f"{y}_edge", mark, is_open=True, color=colour(hurst))
 
 
 def draw_both_theories(ax: Any, color: Any, curve: Callable[[bool], tuple]) -> None:
-    """Draw Persson's theory, corrected (solid) and as printed (dashed).
-
-    Parameters
-    ----------
-    ax : Axes
-        The panel.
-    color : color
-        Of both lines.
-    curve : function
-        curve(printed) returns x and y.
-    """
+    """Draw Persson's theory, corrected (solid) and as printed (dashed); curve(printed) returns x
+    and y."""
     for printed, style, name in ((False, "-", "corrected"), (True, "--", "as printed")):
         ax.plot(*curve(printed), color=color, linestyle=style, linewidth=1)
         ax.plot([], [], linestyle=style, label=f"Persson, {name}", **THEORY)
 
 
 def explain_mark(ax: Any, label: str, mark: str, face: str = "0.35") -> None:
-    """Add a mark to the legend.
-
-    Parameters
-    ----------
-    ax : Axes
-        A panel of the picture.
-    label, mark, face : str
-        Text, marker and colour of its face.
-    """
+    """Add a mark, and the colour of its face, to the legend of a picture."""
     style = {"color": "0.35", "linestyle": "", "markersize": 4}
     ax.plot([], [], marker=mark, markerfacecolor=face, label=label, **style)
 
@@ -192,26 +125,10 @@ def two_pressures(
     base: int = 2,
     logarithmic: bool = False,
 ) -> None:
-    """Draw a column against a ratio at the low and the high pressure of the paper.
+    """Draw a column against eps_c, eps_f or eps_t at the low and the high pressure of the paper.
 
-    The marks show lam_l/lam_s where it is not the abscissa.
-
-    Parameters
-    ----------
-    rows : list of dict
-        The data.
-    path : Path
-        File of the picture.
-    x : str
-        "eps_c", "eps_f" or "eps_t".
-    y : str
-        Column.
-    theory : function, optional
-        theory(ax, p_star, list of H, range of x) draws lines.
-    base : int
-        Base of the logarithmic abscissa.
-    logarithmic : bool
-        Whether the ordinate is logarithmic.
+    The marks show lam_l/lam_s where it is not the abscissa. theory(ax, p_star, list of H, range of
+    x) draws lines; `base` is that of the logarithmic abscissa.
     """
     series = "lam_s_over_a" if x == "eps_f" else "lam_l_over_lam_s"
     marks = dict(zip(sorted({row[series] for row in rows}), MARKS))
@@ -240,15 +157,8 @@ def draw_kappa_theory(ax: Any, p_star: float, *_unused: object) -> None:
 
 
 def gap_theory(unit: str, eps_f_range: Sequence[float] = ()) -> Callable:
-    """Return a function for `two_pressures` that draws the mean gap of Persson's theory.
-
-    Parameters
-    ----------
-    unit : str
-        "h_rms" or "g_rms_lam_s".
-    eps_f_range : sequence of two float
-        Range of the lines; about that of the data by default.
-    """
+    """Return a function for `two_pressures` that draws the mean gap of Persson's theory in a unit,
+    h_rms or g_rms_lam_s, over a range of eps_f or about that of the data."""
 
     def draw(ax, p_star, hursts, span):
         low, high = eps_f_range or (span[0] / 2, span[1] * 2)
@@ -283,18 +193,8 @@ def pressure_against_gap(rows: Rows, path: Path) -> None:
 
 
 def areas(rows: Rows, path: Path, specs: Sequence[tuple]) -> None:
-    """Draw contact areas with Persson's theory.
-
-    Parameters
-    ----------
-    rows : list of dict
-        The data.
-    path : Path
-        File of the picture.
-    specs : sequence of tuple
-        (x, y, theory, settings) of each panel: columns, function of p_star that returns y, and
-        arguments of Axes.set.
-    """
+    """Draw contact areas with Persson's theory; specs has (x, y, theory, settings) of each panel:
+    columns, function of p_star that returns y, and arguments of Axes.set."""
     loads = [row["p_star"] for row in rows] or [1e-3, 1]
     p_star = np.geomspace(min(loads) / 1.5, max(loads) * 1.2, 80)
     with panels(path, len(specs)) as axes:

@@ -14,22 +14,8 @@ NUMBERS = json.loads(Path(__file__).with_name("paper_numbers.json").read_text(en
 
 
 def of_hurst(name: str, hurst: float, *keys: str) -> Any:
-    """Return a number of the paper for a Hurst exponent, such as of_hurst("area_high", 0.8).
-
-    Parameters
-    ----------
-    name : str
-        Entry of paper_numbers.json.
-    hurst : float
-        Hurst exponent.
-    *keys : str
-        Keys inside of the entry.
-
-    Returns
-    -------
-    object or None
-        The entry; None if the paper has none for this exponent.
-    """
+    """Return a number of the paper for a Hurst exponent, such as of_hurst("area_high", 0.8), from
+    an entry of paper_numbers.json and keys inside of it; None if the paper has none."""
     table = NUMBERS[name]
     for key in keys:
         table = table[key]
@@ -37,17 +23,8 @@ def of_hurst(name: str, hurst: float, *keys: str) -> Any:
 
 
 def coefficients(observable: str, pressure: str, hurst: float) -> Any:
-    """Return a row of the printed coefficient tables, {"C_c": ..., "alpha_t": ...}, or None.
-
-    Parameters
-    ----------
-    observable : str
-        "kappa" or "gap_over_h_rms".
-    pressure : str
-        "low" or "high".
-    hurst : float
-        Hurst exponent.
-    """
+    """Return a row of the printed coefficient tables of kappa or gap_over_h_rms at the low or high
+    pressure, {"C_c": ..., "alpha_t": ...}, or None."""
     for table in tfc.paper_table()["tables"]:
         if (table["observable"], table["p_star"]) == (observable, PRINTED[pressure]):
             return next((row for row in table["rows"] if near(row["hurst"], hurst)), None)
@@ -55,15 +32,7 @@ def coefficients(observable: str, pressure: str, hurst: float) -> Any:
 
 
 def correction(row: dict, eps: dict) -> float:
-    """Return the sum of the three terms of eq. tfc with the coefficients of a row.
-
-    Parameters
-    ----------
-    row : dict
-        Coefficients and exponents, as `coefficients` returns them.
-    eps : dict
-        eps_t, eps_f and eps_c.
-    """
+    """Return the sum of the three terms of eq. tfc at ratios eps with the coefficients of a row."""
     return sum(term(row, i, eps[f"eps_{i}"]) for i in "cft")
 
 

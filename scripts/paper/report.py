@@ -81,22 +81,8 @@ def _page(study, rows, level):
 
 
 def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
-    """Write README.md, which links the pages of all items, and errata.md.
-
-    Parameters
-    ----------
-    store : Store
-        The runs, and the folder of the files.
-    level : str
-        Level of effort.
-    tables : dict
-        {item: rows} of the items of the paper.
-
-    Returns
-    -------
-    Path
-        README.md.
-    """
+    """Write README.md, which links the pages of all items, and errata.md, with the {item: rows} of
+    the items of the paper. Return the path of README.md."""
     runs = list(store.stored().values())
     items = [
         text | {"link": f"[{name}]({name}.md)" if (store.folder / f"{name}.md").is_file() else name}

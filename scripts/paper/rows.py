@@ -65,17 +65,8 @@ def coarsest(rows: Rows, ratio: str) -> Any:
 
 
 def longest(rows: Rows, ratio: str, column: str = "lam_l_over_lam_s") -> Rows:
-    """Return the longest series along a ratio.
-
-    Parameters
-    ----------
-    rows : list of dict
-        Rows of several series.
-    ratio : str
-        Column along which a series runs; the one with most different values is the longest.
-    column : str
-        Column whose value the rows of a series share.
-    """
+    """Return the series with most different values along a ratio; the rows of a series share the
+    value of a column."""
     series = {row[column]: where(rows, **{column: row[column]}) for row in rows}
     return max(series.values(), key=lambda part: len({row[ratio] for row in part}), default=[])
 
@@ -119,13 +110,8 @@ class _RowFormatter(Formatter):
 def filled(template: str, row: dict) -> str:
     """Return a template filled with the columns of a row.
 
-    Parameters
-    ----------
-    template : str
-        `{kappa:.3g}` is as in str.format, `{kappa:±}` appends the standard error (column kappa_se),
-        `{eps_f:1/}` is the inverse, "1/16". None becomes "-", a missing column the empty string.
-    row : dict
-        The columns.
+    `{kappa:.3g}` is as in str.format, `{kappa:±}` appends the standard error (column kappa_se),
+    `{eps_f:1/}` is the inverse, "1/16". None becomes "-", a missing column the empty string.
     """
     return _RowFormatter().vformat(template, (), row)
 
@@ -136,29 +122,14 @@ def filled_with_each(template: str, rows: Rows, separator: str = ", ") -> str:
 
 
 def comparison(paper: str, ours: str, why: str = "", **row: Any) -> dict:
-    """Return a line "claim / we find / remark" of a page.
-
-    Parameters
-    ----------
-    paper, ours, why : str
-        Templates of the claim, our result and a remark (see `filled`).
-    **row
-        Columns that fill them.
-    """
+    """Return a line "claim / we find / remark" of a page from templates (see `filled`) and the
+    columns that fill them."""
     return {"paper": filled(paper, row), "ours": filled(ours, row), "why": filled(why, row)}
 
 
 def table(rows: Rows, columns: dict[str, str]) -> str:
-    """Return a Markdown table.
-
-    Parameters
-    ----------
-    rows : list of dict
-        Its rows.
-    columns : dict of str
-        {title: template of the cells}. A long cell continues in the next line after a comma or
-        semicolon.
-    """
+    """Return a Markdown table with columns {title: template of the cells}. A long cell continues in
+    the next line after a comma or semicolon."""
     lines = [list(columns), ["---"] * len(columns)]
     for row in rows:
         cells = [filled(cell, row) for cell in columns.values()]

@@ -33,31 +33,9 @@ def run_missing(
     """Solve the loads of these cases that are not stored. Collective.
 
     A case that cannot be solved is reported and skipped. A signal ends the run: finished loads are
-    kept, and the same command resumes the interrupted sweep.
-
-    Parameters
-    ----------
-    cases : list of Case
-        The cases.
-    store : Store
-        Where runs are stored.
-    comm : SerialComm or MpiComm
-        The ranks.
-    threads : int or "auto"
-        Threads of each rank.
-    say : function
-        Prints a line; called on rank 0 only.
-
-    Returns
-    -------
-    int
-        Exit code: 0, 1 (a case failed), 3 (a load did not reach its accuracy), 130 or 143 (a
-        signal).
-
-    Raises
-    ------
-    GfmdError
-        If the folder cannot be read or written.
+    kept, and the same command resumes the interrupted sweep. say(line) is called on rank 0 only.
+    Return the exit code: 0, 1 (a case failed), 3 (a load did not reach its accuracy), 130 or 143 (a
+    signal). Raises GfmdError if the folder cannot be read or written.
     """
     report = say if comm.rank == 0 else lambda text: None
     unsolved, plan = on_rank_0(comm, f"reading {store.folder}", lambda: _plan(cases, store))

@@ -37,25 +37,11 @@ def least_squares(
     covariance: np.ndarray,
     bounds: Any,
 ) -> Fit:
-    """Fit model(x) to value, starting from each of several x, and return the best fit.
+    """Fit model(x) (runs,), with its jacobian(x) (runs, k), to a value with a covariance, starting
+    from each of several x, and return the best fit.
 
-    Parameters
-    ----------
-    model, jacobian : functions of x
-        Return arrays of shapes (runs,) and (runs, k).
-    starts : list of arrays, shape (k,)
-        Parameters x to begin with; those from which the fit does not converge are skipped.
-    value : array, shape (runs,)
-        What the model is fitted to.
-    covariance : array, shape (runs, runs)
-        Covariance of value.
-    bounds : pair of numbers or of arrays, shape (k,)
-        Lower and upper bounds of x.
-
-    Raises
-    ------
-    SceneError
-        If no start converges, or the data do not determine every parameter.
+    Starts from which the fit does not converge are skipped. Raises SceneError if none converges, or
+    the data do not determine every parameter.
     """
     fits = []
     for start in starts:
@@ -146,26 +132,13 @@ def fit_tfc(
     alpha: Mapping[str, float | None],
     limit: float | None = None,
 ) -> TfcFit:
-    """Fit eq. tfc to the results of several runs by least squares.
+    """Fit eq. tfc to values of runs with their covariance by least squares: runs may share a
+    surface.
 
-    Parameters
-    ----------
-    eps : dict of arrays, shape (runs,)
-        Ratios of the runs by term ("t", "f", "c").
-    value : array, shape (runs,)
-        The simulated observable.
-    covariance : array, shape (runs, runs)
-        Its covariance: runs may share a surface.
-    alpha : dict
-        Exponents of the terms to fit; None means that the exponent is fitted (0.02 to 5).
-    limit : float, optional
-        A known value in the TFC limit; fitted if None.
-
-    Raises
-    ------
-    SceneError
-        If the runs do not determine every parameter: too few runs, or ratios that do not vary
-        enough.
+    eps: ratios of the runs by term ("t", "f", "c"). alpha: exponents of the terms to fit; None
+    means that the exponent is fitted (0.02 to 5). limit: a known value in the TFC limit; fitted if
+    None. Raises SceneError if the runs do not determine every parameter: too few runs, or ratios
+    that do not vary enough.
     """
     eps = {i: np.asarray(eps[i]) for i in alpha}
     fixed = {} if limit is None else {"limit": limit}

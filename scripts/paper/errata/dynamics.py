@@ -21,20 +21,9 @@ def small_surface() -> np.ndarray:
 def gfmd(damping: int = -1, load: int = -1, lifted: bool = False, steps: int = STEPS) -> dict:
     """Run the paper's pseudocode on a small surface at p* = 0.1; units: E* = 2, cell of 2 pi.
 
-    Parameters
-    ----------
-    damping, load : int
-        Signs of these terms: -1 is right, +1 is printed.
-    lifted : bool
-        Whether to start at h_max instead of touching.
-    steps : int
-        Number of time steps.
-
-    Returns
-    -------
-    dict
-        gap: mean gap/h_rms of every step; speed: largest change of a displacement in every step;
-        a_r.
+    The signs of damping and load are right as -1 and printed as +1; `lifted` starts at h_max
+    instead of touching. Return the mean gap/h_rms ("gap") and the largest change of a displacement
+    ("speed") of every step, and a_r.
     """
     z = small_surface()
     h = z.max() - z

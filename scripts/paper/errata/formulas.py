@@ -150,17 +150,8 @@ def inverted_ratio(_tables: object) -> str:
 
 
 def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> float:
-    """Return gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap) by quadrature.
-
-    It is integrated by parts, with the energy U of eq. elasticEnergy.
-
-    Parameters
-    ----------
-    p_star, hurst, eps_f : float
-        Pressure, Hurst exponent and lam_s/lam_l.
-    gamma : float
-        Correction factor of the theory.
-    """
+    """Return gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap), by parts, with the energy U of
+    eq. elasticEnergy."""
 
     def energy(p):
         return float(persson.elastic_energy(p, hurst, eps_f, gamma))

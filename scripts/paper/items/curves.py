@@ -27,23 +27,11 @@ GAP = "gap_over_h_rms"
 
 
 def limits(runs: Rows, level: str) -> Rows:
-    """Return the limits for each H, eps_f and p_star.
+    """Return the limits for each H, eps_f and p_star, with persson_NAME (theory).
 
-    Areas at light loads are fitted together.
-
-    Parameters
-    ----------
-    runs : list of dict
-        The runs.
-    level : str
-        Unused.
-
-    Returns
-    -------
-    list of dict
-        kappa (the mean of the areas as counted and edge-corrected; its error is at least half their
-        difference), kappa_counted, kappa_edge, gap_over_h_rms, NAME_se, and persson_NAME (theory).
-        The gap is None if it is closed in some realisation.
+    Areas at light loads are fitted together. kappa is the mean of the areas as counted and
+    edge-corrected; its error is at least half their difference. The gap is None if it is closed in
+    some realisation.
     """
     estimates: dict[str, dict] = {}
     resolved = [run for run in runs if run["lam_s_over_a"] >= RESOLVED]
@@ -137,20 +125,8 @@ NOTE = (
 
 
 def reference_data(runs: Rows, level: str) -> str:
-    """Return the data file of hpc_gfmd.reference as text.
-
-    Parameters
-    ----------
-    runs : list of dict
-        Runs of all curves; those that did not converge are ignored.
-    level : str
-        Level of effort.
-
-    Raises
-    ------
-    SceneError
-        If a curve is missing.
-    """
+    """Return the data file of hpc_gfmd.reference as text, from the runs of all curves that
+    converged. Raises SceneError if a curve is missing."""
     runs = [run for run in runs if run["status"] == "converged"]
     rows = limits(runs, level)
     axes = {name: sorted({row[name] for row in rows}) for name in ("hurst", "eps_f")}

@@ -27,21 +27,11 @@ POWER_LAW = (1.0, 100.0)  # range of patch sizes, in lam_s^2, in which a power l
 
 
 def means(runs: Rows, level: str) -> Rows:
-    """Average the distributions over surfaces.
+    """Average the distributions over surfaces; return a row for each H, p_star, kind and bin: low,
+    high, density (its integral is 1), density_se, surfaces.
 
-    Parameters
-    ----------
-    runs : list of dict
-        Runs with distributions.
-    level : str
-        Unused.
-
-    Returns
-    -------
-    list of dict
-        A row for each H, p_star, kind and bin: low, high, density (its integral is 1), density_se,
-        surfaces. Kinds: pressure of points in contact in units of E* g_rms, gap of open points in
-        units of h_rms, number of patches by area in units of lam_s^2.
+    Kinds: pressure of points in contact in units of E* g_rms, gap of open points in units of h_rms,
+    number of patches by area in units of lam_s^2.
     """
     rows = []
     for (hurst, part), p_star, (kind, (unit, power, edges, *_)) in product(
@@ -100,15 +90,8 @@ def patch_exponent(rows: Rows) -> tuple[float | None, float | None]:
 
 
 def theory(p_star: float, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Return Persson's distribution of the pressure of points in contact, averaged over bins.
-
-    Parameters
-    ----------
-    p_star : float
-        Mean pressure.
-    low, high : ndarray
-        Edges of the bins (units of E* g_rms).
-    """
+    """Return Persson's distribution of the pressure of points in contact, averaged over the bins
+    with edges low and high in units of E* g_rms."""
     inside = np.mean(persson.pressure_distribution(np.linspace(low, high, 17), p_star), axis=0)
     return inside / float(persson.contact_area(p_star))
 

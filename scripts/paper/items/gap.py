@@ -41,23 +41,8 @@ def means(runs: Rows, level: str) -> Rows:
 
 
 def with_theory(runs: Rows, level: str = "", unit: str = "h_rms") -> Rows:
-    """Average the gap and add that of Persson's theory.
-
-    Parameters
-    ----------
-    runs : list of dict
-        The runs.
-    level : str
-        Unused.
-    unit : str
-        Unit of the gap, "h_rms" or "g_rms_lam_s".
-
-    Returns
-    -------
-    list of dict
-        gap_over_UNIT, persson and persson_printed (the theory corrected and as printed), and
-        over_persson, over_persson_printed (simulation over theory).
-    """
+    """Average the gap in a unit, h_rms or g_rms_lam_s, and add that of Persson's theory, corrected
+    and as printed (persson, persson_printed), and the simulation over them (over_NAME)."""
     rows = average(runs, f"gap_over_{unit}")
     for row in rows:
         arguments = (row["p_star"], row["hurst"], row["eps_f"])
@@ -114,16 +99,9 @@ def finite_size(rows: Rows) -> Iterator[dict]:
 
 
 def exponents(rows: Rows, unit: str) -> Iterator[dict]:
-    """Compare the exponents of eps_f for the gap in a unit.
+    """Compare the exponents of eps_f for the gap in a unit, h_rms or g_rms_lam_s.
 
     In units of g_rms lam_s the exponents are those in units of h_rms minus H.
-
-    Parameters
-    ----------
-    rows : list of dict
-        Rows of `with_theory`.
-    unit : str
-        "h_rms" or "g_rms_lam_s".
     """
     for pressure, hurst, family in families(rows):
         alpha, sigma = power_law(fine_half(family), "eps_f", f"gap_over_{unit}")
@@ -145,15 +123,8 @@ def exponents(rows: Rows, unit: str) -> Iterator[dict]:
 
 
 def theory_factors(rows: Rows, unit: str) -> Iterator[dict]:
-    """Compare the factor by which Persson's theory is too small at the high pressure.
-
-    Parameters
-    ----------
-    rows : list of dict
-        Rows of `with_theory`.
-    unit : str
-        "h_rms" or "g_rms_lam_s".
-    """
+    """Compare the factor by which Persson's theory is too small at the high pressure, for the gap
+    in a unit."""
     for hurst, part in by_hurst(low_high(rows)["high"]).items():
         if (explained := share_explained(part)) is not None:
             claim = of_hurst(f"theory_factor_{unit}", hurst)

@@ -40,23 +40,9 @@ SHIFTS = ("shift", "shift_se", "shift_sealed", "shift_sealed_se")
 
 
 def between(sweep: Rows, event: str, axis: str) -> tuple[float, float]:
-    """Return the areas between which an event happens.
-
-    Parameters
-    ----------
-    sweep : list of dict
-        Runs of one surface in the order of their loads.
-    event : str
-        Key of EVENTS.
-    axis : str
-        "x" or "y".
-
-    Returns
-    -------
-    before, after : float
-        Area at the last load before the event (0 if there is none) and at the first one after it (1
-        if there is none).
-    """
+    """Return the areas at the last load before an event along an axis ("x", "y") and at the first
+    one after it; 0 and 1 where there is none. The runs of the sweep are in the order of their
+    loads."""
     area, column, value = EVENTS[event]
     has_happened = [run[column.format(axis)] == value for run in sweep]
     index = has_happened.index(True) if True in has_happened else len(sweep)
@@ -65,21 +51,9 @@ def between(sweep: Rows, event: str, axis: str) -> tuple[float, float]:
 
 
 def fitted_quantile(bounds: ArrayLike, share: float = 0.5) -> tuple[float, float]:
-    """Fit a normal distribution to the areas of an event by maximum likelihood.
-
-    Parameters
-    ----------
-    bounds : array_like, shape (..., 2)
-        Areas between which the event happens on each surface.
-    share : float
-        Share of the surfaces.
-
-    Returns
-    -------
-    area, width : float
-        Area at which the event has happened on this share of the surfaces, and the standard
-        deviation.
-    """
+    """Fit a normal distribution to the areas of an event, each between two bounds (..., 2), by
+    maximum likelihood. Return the area at which the event has happened on a share of the surfaces,
+    and the standard deviation."""
     low, high = np.reshape(bounds, (-1, 2)).T
     inside = (low > 0) & (high < 1)
     start_mean = np.mean((low + high)[inside]) / 2 if inside.any() else 0.4
@@ -98,21 +72,11 @@ def fitted_quantile(bounds: ArrayLike, share: float = 0.5) -> tuple[float, float
 def thresholds(runs: Rows, level: str) -> Rows:
     """Return the critical areas for each H, system and grid.
 
-    Parameters
-    ----------
-    runs : list of dict
-        Sweeps with columns contact_percolates_* and gap_spans_*.
-    level : str
-        Unused.
-
-    Returns
-    -------
-    list of dict
-        a_c, a_c_se: edge-corrected contact area at which a share WRAPPED of the surfaces percolates
-        along a given axis, for points connected by sides (a_c_sides), by corners (a_c_corners) and
-        for both together. a_c_counted: the same for the area as counted. width: standard deviation
-        over surfaces. a_c_sealed, a_c_sealed_se: area at which in a share SEALED of the surfaces no
-        gap reaches from edge to edge. SHIFTS: what to add to a_c and a_c_sealed for a -> 0.
+    a_c: edge-corrected contact area at which a share WRAPPED of the surfaces percolates along a
+    given axis, for points connected by sides (a_c_sides), by corners (a_c_corners) and for both
+    together. a_c_counted: the same for the area as counted. width: standard deviation over
+    surfaces. a_c_sealed: area at which in a share SEALED of the surfaces no gap reaches from edge
+    to edge. SHIFTS: what to add to a_c and a_c_sealed for a -> 0.
     """
     bounds = {
         system: {
@@ -150,17 +114,9 @@ def shifts_to_fine_grids(grids: dict) -> dict[float, dict[str, float]]:
     """Extrapolate critical areas to a -> 0 with surfaces that are solved on several grids.
 
     The areas by sides and by corners, edge-corrected and as counted, are parabolas in a/lam_s with
-    the same limit; the error contains half their largest difference.
-
-    Parameters
-    ----------
-    grids : dict
-        {lam_s/a: {seed: areas between which the EVENTS happen, (EVENTS, axes, 2)}}.
-
-    Returns
-    -------
-    dict
-        {lam_s/a: SHIFTS}; empty for less than three grids or SEVERAL surfaces.
+    the same limit; the error contains half their largest difference. `grids` has the areas between
+    which the EVENTS happen (EVENTS, axes, 2) by lam_s/a and seed. Return {lam_s/a: SHIFTS}, empty
+    for less than three grids or SEVERAL surfaces.
     """
     shared = sorted(set.intersection(*map(set, grids.values())))
     if len(grids) < 3 or len(shared) < SEVERAL:
@@ -196,12 +152,9 @@ def sizes(rows: Rows) -> Rows:
 def large(rows: Rows) -> Rows:
     """Return the critical areas of each H for large cells and a -> 0.
 
-    Returns
-    -------
-    list of dict
-        a_c, a_c_sealed and their NAME_se: the mean over cells of two lam_l and more, where the size
-        hardly matters, plus the mean shift of all sizes; None without a shift. exponent: of the
-        width as a power of L/lam_l, or None.
+    a_c and a_c_sealed are the mean over cells of two lam_l and more, where the size hardly matters,
+    plus the mean shift of all sizes; None without a shift. exponent: of the width as a power of
+    L/lam_l, or None.
     """
     limits = []
     for hurst, family in by_hurst(rows).items():

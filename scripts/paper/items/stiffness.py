@@ -20,21 +20,10 @@ LOW = 0.0005  # p_star up to which exponents are averaged
 
 
 def means(runs: Rows, level: str) -> Rows:
-    """Average the stiffness K over surfaces.
+    """Average the stiffness K over surfaces, for each H, system, grid and p_star.
 
-    Parameters
-    ----------
-    runs : list of dict
-        Runs with column stiffness.
-    level : str
-        Unused.
-
-    Returns
-    -------
-    list of dict
-        A row for each H, system, grid and p_star: surfaces, stiffness (geometric mean, in units of
-        E* g_rms/h_rms), exponent (d ln K/d ln p between the neighbouring loads of the same
-        surfaces), NAME_se of both, and persson (theory).
+    stiffness is the geometric mean in units of E* g_rms/h_rms, exponent d ln K/d ln p between the
+    neighbouring loads of the same surfaces, persson the theory.
     """
     rows = []
     for system, part in groups(runs, *GRID).items():
@@ -68,19 +57,10 @@ def _mean(values):
 
 
 def power_laws(rows: Rows) -> Rows:
-    """Return the mean exponent of each system at low loads, and the end of its power law.
+    """Return the mean exponent of each system up to LOW, and the p_star at which its power law
+    ends: interpolated to an exponent halfway between 1/(1 + H) and 1, or None.
 
-    Parameters
-    ----------
-    rows : list of dict
-        Rows of `means`.
-
-    Returns
-    -------
-    list of dict
-        exponent and exponent_se: means up to LOW (errors of neighbouring loads are not
-        independent). ends and ends_se: interpolated p_star at which the exponent is halfway between
-        1/(1 + H) and 1, or None.
+    Errors of the exponents at neighbouring loads are not independent.
     """
     laws = []
     for system, part in groups(rows, *SYSTEM).items():

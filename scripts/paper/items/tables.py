@@ -29,26 +29,13 @@ AREAS = {"raw": "", "edge": "_edge"}  # suffix of the column: as counted, edge-c
 
 
 def coefficients(runs: Rows, level: str, observable: str, pressure: str) -> Rows:
-    """Fit eq. tfc for each H, with the row that the paper prints.
+    """Fit eq. tfc at a pressure ("low" or "high") for each H, and add the row that the paper
+    prints.
 
-    Parameters
-    ----------
-    runs : list of dict
-        The runs.
-    level : str
-        Level of effort.
-    observable : str
-        "kappa" or "gap_over_h_rms".
-    pressure : str
-        "low" or "high".
-
-    Returns
-    -------
-    list of dict
-        A row for each H, area ("raw" and, for kappa, "edge"; "paper") and exponents ("free" or
-        "paper"; "printed"). C_i, alpha_i and limit (of this law on the axes through the reference
-        system, where its terms do not add up) with NAME_se (None if not fitted), term_i =
-        C_i eps_i^alpha_i at the reference system, chi2_per_dof, n_runs.
+    Rows differ in area ("raw" and, for kappa, "edge"; "paper") and exponents ("free" or "paper";
+    "printed"). C_i, alpha_i and limit (of this law on the axes through the reference system, where
+    its terms do not add up) with NAME_se (None if not fitted); term_i = C_i eps_i^alpha_i at the
+    reference system.
     """
     eps = {i: 1 / ratio for i, ratio in zip("tfc", CATALOGUE["reference"][level])}
     rows = []
@@ -93,15 +80,7 @@ def _fit(runs, level, column, exponents):
 
 
 def compare(rows: Rows, observable: str, pressure: str) -> Iterator[dict]:
-    """Compare our coefficients with the paper's.
-
-    Parameters
-    ----------
-    rows : list of dict
-        Rows of `coefficients`.
-    observable, pressure : str
-        As in `coefficients`.
-    """
+    """Compare our coefficients, rows of `coefficients`, with the paper's."""
     their_template, our_template = (
         ", ".join(f"C_{i} = {{C_{i}:{form}}} (alpha {{alpha_{i}:{form}}})" for i in "cft")
         for form in "g±"
