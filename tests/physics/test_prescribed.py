@@ -1,20 +1,17 @@
 """Loads prescribed by gap, area, approach or force: accuracy, cost, and impossible values."""
 
-import re
 import tomllib
 from functools import partial
 
 import numpy as np
-import oracle
 import pytest
 from contacts import EXACT, field, random_heights, relative, rough, sweep_of, sweep_over
 from refusal import refused
 from scene_tables import rows
 
 import hpc_gfmd
-from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.scene import LoadTable, Material
+from hpc_gfmd.scene import LoadTable
 from hpc_gfmd.solvers import solver_names
 
 LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
@@ -36,31 +33,6 @@ def quantity_of(contact, quantity):
     if quantity == "a_r":
         return contact.contact_points / contact.N
     return getattr(contact, quantity)
-
-
-def is_nearest_area(contact, sweep, target, accuracy):
-    """Return whether a contact has the target area or the nearest one that is possible.
-
-    In the second case its note must report a jump across the target, its area must be that of one
-    side of the jump, and neighbouring pressures must not give a nearer area.
-    """
-    area = quantity_of(contact, "a_r")
-    distance = abs(area - target)
-    if distance <= accuracy * target:
-        return True
-    tolerance = max(accuracy * target, 1 / contact.N)
-    jump = re.search(r"a_r jumps from ([\d.]+) to ([\d.]+)", contact.note)
-    before, after = map(float, jump.groups())
-    areas = [
-        quantity_of(sweep.solve(contact.p_mean * factor), "a_r")
-        for factor in np.geomspace(0.8, 1.25, 24)
-    ]
-    return (
-        before < target < after
-        and min(abs(area - before), abs(area - after)) <= tolerance
-        and min(areas) < target < max(areas)
-        and min(abs(a - target) for a in areas) > distance - tolerance
-    )
 
 
 @pytest.mark.parametrize(("wall", "quantity"), CASES)
@@ -241,59 +213,6 @@ def test_areas_that_no_load_has(free):
     assert loads == pytest.approx([loads[0]] * 4, rel=0.1)
 
 
-WAVE = np.cos(2 * np.pi * np.arange(128) / 32)
-BODY = body_of(Material(**LAYER), (False, False))
-
-
-@pytest.mark.parametrize(
-    ("z", "settings", "target"),
-    [
-        # all points of a small surface touch at some trial load
-        (flat_tops(50, 12), {"accuracy": 3e-2}, 0.95),
-        # the ground between flat tops closes in unexpected jumps, each enclosed by two loads
-        *[
-            (flat_tops(64, 16), {"accuracy": 1e-3, "body": BODY}, share)
-            for share in (0.3, 0.6, 0.9)
-        ],
-        # coarse grids have few points on each of the equal peaks and mislead about the load
-        (0.01 * np.outer(WAVE, WAVE), {"accuracy": 1e-2}, 0.05),
-        (0.01 * np.outer(WAVE, WAVE), {"accuracy": 1e-2, "free": (True, True)}, 0.01),
-    ],
-)
-def test_an_area_that_jumps_across_the_target(z, settings, target):
-    """The nearest possible area is found."""
-    sweep, plain = (sweep_over(z, **settings) for _ in range(2))
-    contact = sweep.solve(Load("a_r", target))
-    allowed_pairs = 12 * plain.solve(contact.p_mean).pairs if "body" in settings else 60
-    assert contact.status == "converged"
-    assert contact.pairs < allowed_pairs
-    assert is_nearest_area(contact, plain, target, settings["accuracy"])
-
-
-@pytest.mark.parametrize(
-    ("quantity", "values"), [("a_r", (1, 4, 16, 40)), ("gap_mean", (0.1, 0.3, 0.9))]
-)
-@pytest.mark.parametrize("height", [5, 100])
-def test_one_tall_point(height, quantity, values):
-    """Like dust on a scan, it carries the whole load until the other points touch.
-
-    Targets are searched for alone and in a sweep; the area may jump.
-    """
-    z = random_heights((32, 32), seed=2)
-    z[3, 5] = z.max() + height
-    unit = 1 / z.size if quantity == "a_r" else z.max() - z.mean()
-    sweep = sweep_over(z, accuracy=1e-2)
-    for value in values:
-        for contact in (
-            sweep.solve(Load(quantity, value * unit)),
-            sweep_over(z, accuracy=1e-2).solve(Load(quantity, value * unit)),
-        ):
-            error = abs(quantity_of(contact, quantity) / (value * unit) - 1)
-            assert contact.status == "converged"
-            assert error < max(1e-2, 1.001 / value) or "jumps" in contact.note
-            assert 1e-6 < contact.p_star < 1
-
-
 @pytest.mark.parametrize("free", [(False, False), (True, True)])
 def test_hardly_touching(free):
     """The mean gap is slightly less than that at which the highest peak touches."""
@@ -364,28 +283,3 @@ def test_a_hardness_that_no_pressure_reaches_changes_nothing(hardness, load):
     # one line of points more or less: the area goes in steps of 1/64
     assert found.p == pytest.approx(plain.p, rel=1e-2 if "a_r" in load else 1e-3)
     assert abs(found.a_r - plain.a_r) < 1.001 / 64
-
-
-@pytest.mark.parametrize("n", [(1, 3), (5, 7), (16, 16)])
-def test_small_walls_with_a_hardness(n):
-    """Areas, gaps and pressures near full contact end, and what converges is right."""
-    rng = np.random.default_rng(n)
-    converged = 0
-    for k in range(12):
-        z = 0.05 * rng.standard_normal(n)
-        hardness = float(0.1 * 10.0 ** rng.uniform(-1, 2))
-        load = [
-            {"a_r": float(1 - 0.3 * rng.random())},
-            {"gap_mean": float(10.0 ** rng.uniform(-5, -0.1) * (z.max() - z.mean()))},
-            {"pressure": float(hardness * rng.uniform(0.1, 0.99))},
-        ][k % 3]
-        found = hpc_gfmd.solve(z, hardness=hardness, boundary="periodic", **load)
-        if found.status != "converged":
-            continue
-        converged += 1
-        exact = oracle.solve_yielding(z, found.p, hardness)
-        assert relative(found.pressure, exact.pressure) < 1e-3
-        assert found.gap_mean == pytest.approx(exact.gap_mean, rel=1e-3, abs=1e-12)
-        if "gap_mean" in load:
-            assert found.gap_mean == pytest.approx(load["gap_mean"], rel=1e-3)
-    assert converged >= 8
