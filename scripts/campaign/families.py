@@ -14,4 +14,4 @@ from . import (  # noqa: F401
     sticky_walls,
     target_walls,
 )
-from .registry import FAMILIES, make, outcome  # noqa: F401
+from .registry import FAMILIES, make  # noqa: F401

@@ -3,8 +3,9 @@ waves."""
 
 import numpy as np
 
-from .registry import Wall, family
-from .shapes import choice, log_uniform, square_pixels
+from .registry import family
+from .shapes import choice, log_uniform
+from .target_walls import with_targets
 
 SHAPES = ((1, 3), (3, 1), (2, 2), (1, 16), (3, 3), (5, 7), (8, 8), (1, 64), (16, 16), (64, 64))
 TARGETS = 2
@@ -20,18 +21,16 @@ def _heights(rng):
     return rng.standard_normal(n)
 
 
-def _with_targets(rng, z, quantity, values):
+def _hard(rng, z, quantity, values):
     hardness = log_uniform(rng, SOFTEST, HARDEST)
-    return Wall(
-        z, square_pixels(z.shape), (), hardness_star=hardness, targets=(quantity, tuple(values))
-    )
+    return with_targets(z, quantity, values, hardness_star=hardness)
 
 
 @family
 def target_hard_area(rng):
     z = _heights(rng)
     shares = (1 - log_uniform(rng, 1e-3, 0.9) for _ in range(TARGETS))
-    return _with_targets(rng, z, "a_r", (max(share, 0.6 / z.size) for share in shares))
+    return _hard(rng, z, "a_r", (max(share, 0.6 / z.size) for share in shares))
 
 
 @family
@@ -39,4 +38,4 @@ def target_hard_gap(rng):
     z = _heights(rng)
     largest = (z.max() - z.mean()) / z.std()
     gaps = (log_uniform(rng, 1e-6, 0.9) * largest for _ in range(TARGETS))
-    return _with_targets(rng, z, "gap_over_h_rms", gaps)
+    return _hard(rng, z, "gap_over_h_rms", gaps)

@@ -10,7 +10,7 @@ import numpy as np
 
 import hpc_gfmd
 
-from .registry import Wall, family, keywords, outcome
+from .registry import Wall, compared, family, keywords, outcome
 from .shapes import choice, log_uniform, rough, square_pixels
 from .table import SLACK
 from .truth import Contact
@@ -152,11 +152,9 @@ def judged_rows(wall, way, elements, times):
             true = (solution.a_r, abs(solution.gap_mean / exact - 1), 0.0)
             columns |= outcome(solution, 0, true)
         else:
-            true = contact.errors_of(solution, truth, modulus)
-            columns |= outcome(solution, truth.contact, true)
+            columns |= compared(solution, truth, contact, modulus)
             kkt = max(kkt, truth.kkt)
             if wall.targets:
                 off = abs(truth.gap_mean * contact.height_unit / value - 1)
-                columns["missed"] = off if off > way["accuracy"] + SLACK else 0.0
-                columns["true"][1] += columns["missed"]
+                columns["true"][1] += off if off > way["accuracy"] + SLACK else 0.0
         yield number, columns | {"kkt": kkt}

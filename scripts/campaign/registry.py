@@ -183,6 +183,15 @@ def outcome(solution, contact, true, claimed=None, **columns):
     } | columns
 
 
+def compared(solution, truth, contact, modulus):
+    """Return the columns of a solution with its exact contact.
+
+    modulus: E*, in the units of the solution.
+    """
+    true = contact.errors_of(solution, truth, modulus)
+    return outcome(solution, truth.contact, true, kkt=truth.kkt)
+
+
 def sweep_of(wall, hardness=None, attraction=None, **settings):
     """Return a sweep of a wall on this process, with a hardness and an attraction in the units of
     the wall. **settings are keys of [solver] in a scene."""

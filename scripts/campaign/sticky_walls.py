@@ -104,5 +104,4 @@ def _judged(contact, pressure, truth):
         true,
         certificate.errors,
         status=contact.status if truth.status == "converged" else "no truth",
-        stability=certificate.stability,
     )

@@ -71,6 +71,11 @@ def test_the_default_solver_on_hard_walls(name):
     check([row for index in HARD[name] for row in rows_of(name, 11, index, QUICK)])
 
 
+def test_rows_have_the_violation_of_their_truth():
+    (row,) = rows_of("few_asperities", 11, 1, QUICK[:1])
+    assert 0 < row["kkt"] < 1e-10
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "seed", "index"), HARD_SEEDS)
 def test_the_default_solver_on_hard_walls_of_other_seeds(name, seed, index):
