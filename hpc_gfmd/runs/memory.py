@@ -20,7 +20,7 @@ ADVICE = "use more machines, fewer points or single precision"
 BYTES = {
     (4, False, 0): (34, 39, 37, 42),
     (4, False, 1): (25, 30, 33, 38),
-    (4, False, 2): (32, 37, 41, 45),
+    (4, False, 2): (32, 36, 41, 45),
     (4, True, 0): (21, 21, 17, 17),
     (4, True, 1): (28, 28, 28, 28),
     (4, True, 2): (29, 29, 30, 30),
