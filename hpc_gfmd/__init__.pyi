@@ -4,10 +4,10 @@ from .output.law_files import read_law as read_law
 from .output.law_files import write_law as write_law
 from .parallel.guard import on_rank_0 as on_rank_0
 from .parallel.world import world as world
-from .plotting import plot as plot
 from .runs.ensemble import Ensemble as Ensemble
 from .runs.interface_law import interface_law as interface_law
 from .runs.many import solve_many as solve_many
+from .runs.plot import plot as plot
 from .runs.prepared import PreparedSurface as PreparedSurface
 from .runs.simulation import run as run
 from .runs.slip import slip as slip

@@ -1,10 +1,18 @@
 """`hpc-gfmd plot`: the pictures of a result file."""
 
-from argparse import ArgumentParser, Namespace
-from typing import Any
+from __future__ import annotations
 
-from ..util.errors import SceneError
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..util.errors import GfmdError, SceneError, reason
 from .common import add_file
+
+if TYPE_CHECKING:
+    from ..output.result import Result
+    from ..plotting.style import Picture
 
 HELP = "pictures of a result"
 DESCRIPTION = """
@@ -12,6 +20,8 @@ Draw the contents of a result: maps (of output.fields), spectra (of output.distr
 distributions (of either), area and gap against load. Axes have units where the scene has them.
 Persson's theory is drawn for self-affine surfaces, Hertz's for spheres, Westergaard's for waves.
 Fields of any size are read piece by piece."""
+
+SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -78,7 +88,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Draw pictures of results, save them, and print their names and remarks; returns 0."""
     from ..output.read import read_result
-    from ..plotting import plot_result
 
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
         raise SceneError(f"--dpi: found {args.dpi}, allowed: 20 to 2400")
@@ -86,9 +95,9 @@ def main(args: Namespace) -> int:
     if several and (args.step or args.window):
         raise SceneError("plot: --step and --window need a single file")
     results = [read_result(file) for file in args.file]
-    paths = plot_result(
-        results if several else results[0],
-        args.output,
+    paths = save_pictures(
+        results,
+        Path(args.output) if args.output else None,
         args.what,
         step=args.step,
         window=args.window,
@@ -102,10 +111,76 @@ def main(args: Namespace) -> int:
     return 0
 
 
+def save_pictures(
+    results: Sequence[Result],
+    where: Path | None = None,
+    names: Sequence[str] | None = None,
+    **how: Any,
+) -> list[Path]:
+    """Draw the `figures` of results, save them, and return their paths. where: a folder, made if
+    its parent exists, or a file, with names appended for several; default: RESULT.png beside a
+    single result, else curves.png.
+    """
+    if where is None:
+        path = results[0].path if len(results) == 1 else None
+        where = path.with_suffix(".png") if path else Path("curves.png")
+    drawn = figures(results, names, **how)
+    several = len(drawn) > 1
+    return [_save(fig, where, name, several, how.get("dpi")) for name, fig in drawn.items()]
+
+
+def figures(
+    results: Sequence[Result], names: Sequence[str] | None = None, **how: Any
+) -> dict[str, Picture]:
+    """Draw pictures by name; default: of maps, distributions, spectra and curves what a result has,
+    maps only with a window, and of several results the curves.
+    """
+    from ..runs.plot import plot
+
+    if len(results) > 1:
+        return {name: plot([*results], name, **how) for name in names or ["curves"]}
+    (result,) = results
+    if not result.steps:
+        raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
+    return {name: plot(result, name, **how) for name in names or _pages_of(result, how)}
+
+
+def _pages_of(result: Result, how: dict[str, Any]) -> list[str]:
+    """Return the names of the pictures that are drawn of a result by default."""
+    from ..runs.plot import PAGES, chosen_steps
+
+    if how.get("window"):
+        return ["maps"]
+    possible = [name for name in PAGES if chosen_steps(result, name, how.get("step"))]
+    if len(result.steps) == 1 and len(possible) > 1:
+        possible = [name for name in possible if name != "curves"]
+    return possible
+
+
+def _save(fig: Picture, where: Path, name: str, several: bool, dpi: float | None) -> Path:
+    """Save a picture as `where` (.png, .pdf or .svg), or as NAME.png in the folder `where`."""
+    from ..plotting.style import save
+
+    as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
+    folder = where.parent if as_file else where
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise SceneError(f"-o: pictures cannot go to {folder} ({reason(error)})") from None
+    path = folder / f"{name}.png"
+    if as_file:
+        path = where.with_stem(f"{where.stem}_{name}") if several else where
+    try:
+        save(fig, path, dpi)
+    except OSError as error:
+        raise GfmdError(f"writing {path}: {reason(error)}") from error
+    return path
+
+
 def _remarks(result: Any, args: Namespace) -> list[str]:
     """Return lines on load steps that are left out or not converged, then their notes."""
     from ..output.summary import converged
-    from ..plotting import chosen_steps
+    from ..runs.plot import chosen_steps
 
     remarks = []
     pictures = {*(args.what or ["maps"])} - {"heights"}

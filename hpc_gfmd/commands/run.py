@@ -63,9 +63,9 @@ def main(args: Namespace) -> int:
 
 def _plot(path: Path) -> None:
     from ..output.read import read_result
-    from ..plotting import plot_result
+    from .plot import save_pictures
 
     pictures = path.with_name(f"{path.stem}_plots")
-    plot_result(read_result(path), pictures)
+    save_pictures([read_result(path)], pictures)
     print(f"result:   {path}")
     print(f"pictures: {pictures}")

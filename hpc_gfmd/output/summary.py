@@ -218,8 +218,18 @@ def is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float)
 
 
+def is_finite(value: object) -> TypeGuard[float]:
+    """Whether a value of a file is a finite int or float."""
+    return is_number(value) and isfinite(value)
+
+
+def is_positive(value: object) -> TypeGuard[float]:
+    """Whether a value of a file is a finite positive number."""
+    return is_finite(value) and value > 0
+
+
 def _numbers(value: object) -> list[float]:
     """Return a list of finite numbers of a file as it is, anything else as an empty list."""
-    if isinstance(value, list | tuple) and all(is_number(x) and isfinite(x) for x in value):
+    if isinstance(value, list | tuple) and all(map(is_finite, value)):
         return list(value)
     return []

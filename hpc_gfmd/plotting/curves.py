@@ -6,10 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..output.summary import converged, error_bars
+from ..output.result import Result
+from ..output.summary import converged, error_bars, is_finite, is_positive, last_held
 from ..util.errors import SceneError
-from .style import THEORY, WARNING, Page, colour, log_axis, marker
-from .view import Scale, View, finite, good, label
+from .style import THEORY, WARNING, Page, Scale, Units, colour, label, log_axis, marker
+from .theory import Theory
 
 DOUBTFUL = {"color": WARNING, "marker": "x", "label": "not converged"}
 BEYOND = 2  # factor by which the axis of loads goes on beyond the loads
@@ -55,20 +56,42 @@ CORRECTED = {"a_r": "a_r_corrected", "kappa": "kappa_corrected"}
 OVERVIEW = ("a_r", "kappa", "gap_mean", "approach")
 
 
-def curves(views: Sequence[View], names: list[str]) -> Page:
+class DrawnSweep(NamedTuple):
+    """The loads of a result that curves show; `pull_off`: the last one, of all, before the bodies
+    separate, or None; `joined`: by lines, since loads follow from each other.
+    """
+
+    name: str
+    result: Result
+    units: Units
+    theory: Theory | None
+    pull_off: Mapping[str, Any] | None
+    joined: bool
+
+
+def drawn_sweep(
+    name: str, whole: Result, chosen: list[int], units: Units, theory: Theory | None
+) -> DrawnSweep:
+    """Return the chosen loads of a result for `curves`."""
+    scene = whole.readable_scene
+    joined = scene is not None and (scene.material.adhesion is not None or scene.remembers)
+    return DrawnSweep(name, whole.some(chosen), units, theory, last_held(whole.steps), joined)
+
+
+def curves(sweeps: Sequence[DrawnSweep], names: list[str]) -> Page:
     """Return a page with a panel for each number; kappa is left out where it has no meaning."""
     units = {
-        tuple(view.units.of(kind, [1.0]).name for kind in ("pressure", "gap")) for view in views
+        tuple(sweep.units.of(kind, [1.0]).name for kind in ("pressure", "gap")) for sweep in sweeps
     }
     if len(units) > 1:
         raise SceneError("results: have different units; dimensionless = True draws them together")
-    against_time = all("time" in step for view in views for step in view.result.steps)
-    if against_time or not all(view.units.rough for view in views):
+    against_time = all("time" in step for sweep in sweeps for step in sweep.result.steps)
+    if against_time or not all(sweep.units.rough for sweep in sweeps):
         names = [name for name in names if name != "kappa"] or names
-    steps = [step for view in views for step in view.result.steps]
+    steps = [step for sweep in sweeps for step in sweep.result.steps]
     has_bars = any(error_bars(name, step) for name in names for step in steps)
     label = f"simulation{' (bars: solver and grid)' * has_bars}"
-    return Page([partial(_curve, views=views, key=name, label=label) for name in names])
+    return Page([partial(_curve, sweeps=sweeps, key=name, label=label) for name in names])
 
 
 def quantity_of(key: str) -> PlottedQuantity:
@@ -76,13 +99,15 @@ def quantity_of(key: str) -> PlottedQuantity:
     return QUANTITIES.get(key) or PlottedQuantity(key.replace("_", " "))
 
 
-def _scales(quantity: PlottedQuantity, views: Sequence[View], key: str) -> list[tuple[Scale, int]]:
+def _scales(
+    quantity: PlottedQuantity, sweeps: Sequence[DrawnSweep], key: str
+) -> list[tuple[Scale, int]]:
     """Return (scale, power) of each factor of a unit, which suit all results."""
-    values = [step.get(key) for view in views for step in view.result.steps]
-    positive = [float(value) for value in values if value is not None and good(value)]
-    surface = views[0].result.surface
+    values = [step.get(key) for sweep in sweeps for step in sweep.result.steps]
+    positive = [float(value) for value in values if value is not None and is_positive(value)]
+    surface = sweeps[0].result.surface
     typical = {
-        "pressure": max(float(step["p"]) for view in views for step in view.result.steps),
+        "pressure": max(float(step["p"]) for sweep in sweeps for step in sweep.result.steps),
         "length": float(surface.get("physical_sizes", (1.0,))[0]),
         "gap": float(surface.get("h_rms") or 0.0),
     }
@@ -90,7 +115,7 @@ def _scales(quantity: PlottedQuantity, views: Sequence[View], key: str) -> list[
     scales = []
     for kind, power in quantity.unit:
         sizes = [value ** (1 / power) for value in positive] if alone else [typical[kind]]
-        scales.append((views[0].units.of(kind, sizes), power))
+        scales.append((sweeps[0].units.of(kind, sizes), power))
     return scales
 
 
@@ -118,12 +143,12 @@ class LoadAxis(NamedTuple):
         return float(step[self.key]) / self.unit
 
 
-def _load_axis(views: Sequence[View]) -> LoadAxis:
+def _load_axis(sweeps: Sequence[DrawnSweep]) -> LoadAxis:
     """Return the axis of times, or forces in N, if every load has one, else mean pressures."""
-    steps = [step for view in views for step in view.result.steps]
-    units = views[0].units
+    steps = [step for sweep in sweeps for step in sweep.result.steps]
+    units = sweeps[0].units
     if all("time" in step for step in steps):
-        name = views[0].result.surface.get("time_unit")
+        name = sweeps[0].result.surface.get("time_unit")
         return LoadAxis("time", 1.0, np.nan, f"time $t$ ({name})" if name else "time $t$")
     forces = [step.get("target_force") for step in steps]
     scale = units.of("force", forces)
@@ -137,27 +162,27 @@ def _load_axis(views: Sequence[View]) -> LoadAxis:
     return LoadAxis("p", scale.unit, scale.unit, name)
 
 
-def _curve(ax: Any, views: Sequence[View], key: str, label: str) -> None:
+def _curve(ax: Any, sweeps: Sequence[DrawnSweep], key: str, label: str) -> None:
     """Draw a number over the load with theory, pull-off and closed channels; above MOST_NAMED
     results by mean and scatter.
     """
     quantity = quantity_of(key)
-    loads = _load_axis(views)
-    scales = _scales(quantity, views, key)
+    loads = _load_axis(sweeps)
+    scales = _scales(quantity, sweeps, key)
     unit = float(np.prod([scale.unit**power for scale, power in scales]))
-    if len(views) > MOST_NAMED:
-        _mean_and_scatter(ax, views, key, loads, unit)
+    if len(sweeps) > MOST_NAMED:
+        _mean_and_scatter(ax, sweeps, key, loads, unit)
     else:
-        for k, view in enumerate(views):
-            name = label if len(views) == 1 else view.name
+        for k, sweep in enumerate(sweeps):
+            name = label if len(sweeps) == 1 else sweep.name
             how = {"color": colour(k), "marker": marker(k), "label": name}
-            _points(ax, view, key, loads, unit, how)
-    if key in CORRECTED and len(views) == 1:
+            _points(ax, sweep, key, loads, unit, how)
+    if key in CORRECTED and len(sweeps) == 1:
         how = {"color": colour(1), "marker": marker(1), "label": "edge-corrected"}
-        _points(ax, views[0], CORRECTED[key], loads, unit, how)
+        _points(ax, sweeps[0], CORRECTED[key], loads, unit, how)
     ax.set_xlabel(loads.label)
     ax.set_ylabel(_axis_label(quantity, scales))
-    all_loads = [loads.of(step) for view in views for step in view.result.steps]
+    all_loads = [loads.of(step) for sweep in sweeps for step in sweep.result.steps]
     pushed = min(all_loads) > 0
     if pushed and not loads.is_time:
         log_axis(ax, "x")
@@ -165,14 +190,14 @@ def _curve(ax: Any, views: Sequence[View], key: str, label: str) -> None:
     if loads.is_time:
         _time_axis(ax, all_loads)
         return
-    for k, view in enumerate(views if len(views) <= MOST_NAMED else ()):
-        _pull_off(ax, view, loads, colour(k))
-    with_theory = views if len(views) <= MOST_NAMED else views[:1]
-    for k, view in enumerate(with_theory):
+    for k, sweep in enumerate(sweeps if len(sweeps) <= MOST_NAMED else ()):
+        _pull_off(ax, sweep, loads, colour(k))
+    with_theory = sweeps if len(sweeps) <= MOST_NAMED else sweeps[:1]
+    for k, sweep in enumerate(with_theory):
         one_line = len(with_theory) == 1
-        _theory(ax, view, key, loads, unit, None if one_line else colour(k))
+        _theory(ax, sweep, key, loads, unit, None if one_line else colour(k))
     if key.startswith("critical_gap"):
-        _tight(ax, views, key, loads)
+        _tight(ax, sweeps, key, loads)
 
 
 def _time_axis(ax: Any, times: list[float]) -> None:
@@ -184,13 +209,13 @@ def _time_axis(ax: Any, times: list[float]) -> None:
 
 
 def _points(
-    ax: Any, view: View, key: str, loads: LoadAxis, unit: float, how: dict[str, Any]
+    ax: Any, sweep: DrawnSweep, key: str, loads: LoadAxis, unit: float, how: dict[str, Any]
 ) -> None:
     """Draw a number of each load with error bars, joined by lines if loads have a memory."""
     for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [
             step
-            for step in view.result.steps
+            for step in sweep.result.steps
             if converged(step) == is_converged and _is_shown(key, step)
         ]
         if not steps:
@@ -202,9 +227,8 @@ def _points(
         if any(relative):
             below_and_above = np.array([error or (0.0, 0.0) for error in relative]).T
             bars = np.abs(y) * np.nan_to_num(below_and_above, posinf=0)
-        # on a branch, and in time, loads follow from each other
-        follows = view.attracts or loads.is_time or view.remembers
-        line = {"linestyle": "-" if is_converged and follows else "", "linewidth": 0.8}
+        joined = sweep.joined or loads.is_time
+        line = {"linestyle": "-" if is_converged and joined else "", "linewidth": 0.8}
         look = line | {"capsize": 1.5, "elinewidth": 0.8} | how | changes
         ax.errorbar(x, y, bars, **look)
 
@@ -216,16 +240,16 @@ def is_tight(key: str, step: Mapping[str, Any]) -> bool:
 
 def _is_shown(key: str, step: Mapping[str, Any]) -> bool:
     """Whether a load is a point of a curve: its number is finite and not a critical gap of 0."""
-    return finite(step.get(key)) and not is_tight(key, step)
+    return is_finite(step.get(key)) and not is_tight(key, step)
 
 
 def _mean_and_scatter(
-    ax: Any, views: Sequence[View], key: str, loads: LoadAxis, unit: float
+    ax: Any, sweeps: Sequence[DrawnSweep], key: str, loads: LoadAxis, unit: float
 ) -> None:
     """Draw mean and standard deviation of results; as points of one colour if loads differ."""
     rows = [
-        [(loads.of(step), step[key] / unit) for step in view.result.steps if _is_shown(key, step)]
-        for view in views
+        [(loads.of(step), step[key] / unit) for step in sweep.result.steps if _is_shown(key, step)]
+        for sweep in sweeps
     ]
     curves_of_results = [np.array(row, dtype=float) for row in rows if row]
     if not curves_of_results:
@@ -256,9 +280,9 @@ def _mean_and_scatter(
     ax.plot(x, mean, "o-", color=colour(0), label=f"mean of {number} results")
 
 
-def _tight(ax: Any, views: Sequence[View], key: str, loads: LoadAxis) -> None:
+def _tight(ax: Any, sweeps: Sequence[DrawnSweep], key: str, loads: LoadAxis) -> None:
     """Shade loads without an open channel in any result: 0 would not show on a logarithmic axis."""
-    steps = sorted((step for view in views for step in view.result.steps), key=loads.of)
+    steps = sorted((step for sweep in sweeps for step in sweep.result.steps), key=loads.of)
     open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]
     tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
     if tight_loads:
@@ -267,23 +291,25 @@ def _tight(ax: Any, views: Sequence[View], key: str, loads: LoadAxis) -> None:
         ax.set_xlim(right=right)
 
 
-def _theory(ax: Any, view: View, key: str, loads: LoadAxis, unit: float, line_colour: Any) -> None:
+def _theory(
+    ax: Any, sweep: DrawnSweep, key: str, loads: LoadAxis, unit: float, line_colour: Any
+) -> None:
     """Draw the theory of a result's surface, if there is one and all loads are > 0."""
-    if not (view.theory and key in view.theory.curves):
+    if not (sweep.theory and key in sweep.theory.curves):
         return
-    loads_of_steps = [loads.of(step) for step in view.result.steps]
+    loads_of_steps = [loads.of(step) for step in sweep.result.steps]
     if min(loads_of_steps) <= 0:
         return
     x = np.geomspace(min(loads_of_steps) / BEYOND, max(loads_of_steps) * BEYOND, 80)
-    values = view.theory.curves[key](loads.pressure * x) / unit
+    values = sweep.theory.curves[key](loads.pressure * x) / unit
     line = THEORY | ({} if line_colour is None else {"color": line_colour})
-    ax.plot(x, values, zorder=1, label=view.theory.name, **line)
+    ax.plot(x, values, zorder=1, label=sweep.theory.name, **line)
 
 
-def _pull_off(ax: Any, view: View, loads: LoadAxis, line_colour: Any) -> None:
+def _pull_off(ax: Any, sweep: DrawnSweep, loads: LoadAxis, line_colour: Any) -> None:
     """Mark the last load before the surfaces of a result separate; nothing if they do not."""
-    if view.pull_off is not None:
-        held = loads.of(view.pull_off)
+    if sweep.pull_off is not None:
+        held = loads.of(sweep.pull_off)
         ax.axvline(held, color=line_colour, linestyle=":", linewidth=0.8, label="pull-off")
 
 

@@ -8,7 +8,10 @@ import numpy as np
 from matplotlib.colors import ListedColormap, Normalize, PowerNorm
 
 from ..output.fields import Slab
-from ..output.summary import converged, surface_line
+from ..output.result import Result
+from ..output.summary import converged, is_positive, surface_line
+from ..util.errors import SceneError, one_line
+from ..util.quantities import parse
 from .style import (
     CONTACT_MAP,
     DPI,
@@ -19,10 +22,10 @@ from .style import (
     YIELDED,
     Page,
     Picture,
-    new_picture,
-    styled,
+    Scale,
+    Units,
+    load_label,
 )
-from .view import Scale, Units, View, good, window_of
 
 FIELDS = {  # symbol, colours
     "contact": ("", CONTACT_MAP),
@@ -39,33 +42,78 @@ SLAB_BYTES = 2**25
 YIELD_ROUNDING = 1e-5  # relative, of a pressure that is the hardness, in single precision
 
 
-def maps(views: Sequence[View], names: list[str]) -> Page:
+class Window(NamedTuple):
+    """A part of the cell: its edges (x0, x1, y0, y1), at those of grid points, and its points (i0,
+    i1, j0, j1), None for all.
+    """
+
+    edges: tuple[float, ...]
+    points: tuple[int, ...] | None
+
+
+def window_of(surface: Any, window: Any) -> Window:
+    """Return the part of a cell in a window, such as (0, "2 um", 0, 1e-6), or all without one."""
+    sizes = np.array(surface.get("physical_sizes", (1.0, 1.0)))
+    n = np.array(surface["n"])
+    if window is None:
+        return Window((0.0, sizes[0], 0.0, sizes[1]), None)
+    try:
+        low, high = np.reshape([_length(edge) for edge in window], (2, 2)).T
+        inside = np.all((0 <= low) & (low < high) & (high <= sizes * (1 + 1e-9)))
+    except (TypeError, ValueError):
+        inside = np.False_
+    if not inside:
+        text = " ".join(map(str, window)) if isinstance(window, list | tuple) else str(window)
+        L_x, L_y = (f"{size:g} {surface.get('unit', '')}".rstrip() for size in sizes)
+        raise SceneError(
+            f"window: found {one_line(text)}, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= {L_x} and"
+            f' 0 <= y0 < y1 <= {L_y}, plain or as "2um"'
+        )
+    start = np.minimum((low / sizes * n + 1e-9).astype(int), n - 1)
+    stop = np.clip(np.ceil(high / sizes * n - 1e-9).astype(int), start + 1, n)
+    points = np.transpose([start, stop])
+    edges = (points * (sizes / n)[:, None]).ravel()
+    return Window(tuple(edges), tuple(points.ravel().tolist()))
+
+
+def _length(edge: Any) -> float:
+    """Return a length, a number or a text such as "5 um", as a number; units become m."""
+    try:
+        return float(edge)
+    except ValueError:
+        return float(parse(edge, "length"))
+
+
+def maps(
+    result: Result, names: list[str], units: Units, window: Window, dpi: float | None = None
+) -> Page:
     """Return a page with a row for each load and a column for each field, read when drawn."""
-    view = views[0]
-    loads = range(len(view.result.steps))
+    loads = range(len(result.steps))
     columns = min(2, len(loads)) if len(names) == 1 else len(names)
-    pixels = _pixels(columns, view.dpi)
+    pixels = _pixels(columns, dpi)
+    scene = result.readable_scene
+    hardness = scene.material.hardness if scene else None
 
     @cache
     def reduced(k: int) -> Reduced:
-        fields = view.result.fields[k]
+        fields = result.fields[k]
         alone = {*names} <= {"heights", "displacement", "plastic", "dent"}
         needed = {*names} if alone else {*names, "pressure", "gap"}
         chosen = {n: fields[n] for n in needed & {*fields}}
-        return reduce_fields(chosen, pixels, view.points, view.hardness)
+        return reduce_fields(chosen, pixels, window.points, hardness)
 
     def panel(k: int, name: str, ax: Any) -> None:
-        _field(ax, name, reduced(k), view.units, view.lengths, view.window)
+        _field(ax, name, reduced(k), units, window)
         if name != names[0]:
             ax.set_title(name if k == 0 else "", loc="right")
         elif name != "heights":
-            step = view.result.steps[k]
-            start = "\n" if _aspect(view.window) >= 2 else ", "
-            area = f"{start}$a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else ""
+            step = result.steps[k]
+            start = "\n" if _aspect(window) >= 2 else ", "
+            area = f"{start}$a_r = {step['a_r']:.3g}$" if is_positive(step.get("a_r")) else ""
             colour = "black" if converged(step) else WARNING
-            ax.set_title(view.name_of(k) + area, loc="left", color=colour)
+            ax.set_title(load_label(result, k, units) + area, loc="left", color=colour)
 
-    return _page([partial(panel, k, name) for k in loads for name in names], columns, view.window)
+    return _page([partial(panel, k, name) for k in loads for name in names], columns, window)
 
 
 def height_map(
@@ -80,19 +128,10 @@ def height_map(
     n = heights.shape
     h_rms = float(heights.std())
     surface = {"n": list(n), "physical_sizes": list(sizes), "h_rms": h_rms, "unit": unit}
-    window, points = window_of(surface, window)
-    units = Units(surface)
-    lengths = units.of("length", [window[1] - window[0], window[3] - window[2]])
-    reduced = reduce_fields({"heights": Slab(heights, 0, n)}, _pixels(1, dpi), points)
-
-    def panel(ax: Any) -> None:
-        _field(ax, "heights", reduced, units, lengths, window)
-
-    with styled():
-        fig = new_picture()
-        _page([panel], 1, window).draw(fig)
-        fig.suptitle(title_of(title, surface), x=0.01, ha="left", wrap=True)
-    return fig
+    window = window_of(surface, window)
+    pixels = reduce_fields({"heights": Slab(heights, 0, n)}, _pixels(1, dpi), window.points)
+    panel = partial(_field, name="heights", pixels=pixels, units=Units(surface), window=window)
+    return _page([panel], 1, window).picture(title_of(title, surface))
 
 
 def title_of(name: str, surface: Mapping[str, Any]) -> str:
@@ -104,8 +143,8 @@ def title_of(name: str, surface: Mapping[str, Any]) -> str:
     return f"{name}: {unbroken}"
 
 
-def _aspect(window: tuple) -> float:
-    x0, x1, y0, y1 = window
+def _aspect(window: Window) -> float:
+    x0, x1, y0, y1 = window.edges
     return (y1 - y0) / (x1 - x0)
 
 
@@ -117,7 +156,7 @@ def _pixels(columns: int, dpi: float | None) -> int:
     return max(16, int(_width(columns) * (dpi or DPI)))
 
 
-def _page(panels: Sequence[Callable[[Any], None]], columns: int, window: tuple) -> Page:
+def _page(panels: Sequence[Callable[[Any], None]], columns: int, window: Window) -> Page:
     height = _width(columns) * np.clip(_aspect(window), 0.4, 2.4) + 0.34
     return Page(panels, columns, height, WIDTH if columns > 1 else WIDTH / 2, images=True)
 
@@ -141,9 +180,7 @@ def _explain(ax: Any, colour: str, text: str) -> None:
     ax.plot([], [], "s", color=colour, markeredgecolor="0.6", label=text)
 
 
-def _field(
-    ax: Any, name: str, pixels: "Reduced", units: Units, lengths: Scale, window: tuple
-) -> None:
+def _field(ax: Any, name: str, pixels: "Reduced", units: Units, window: Window) -> None:
     """Draw one of the fields of a load on axes, with its colour bar (none for contact)."""
     symbol, colours = FIELDS[name]
     in_units = [pixels.largest[name], float(pixels.means[name].min())]
@@ -169,7 +206,9 @@ def _field(
         _explain(ax, "white", "gap: white where it touches")
     if norm.vmin == norm.vmax:
         norm.vmax += 1
-    extent = [edge / lengths.unit for edge in window]
+    x0, x1, y0, y1 = window.edges
+    lengths = units.of("length", [x1 - x0, y1 - y0])
+    extent = [edge / lengths.unit for edge in window.edges]
     image = ax.imshow(
         values.T, colours, norm, origin="lower", extent=extent, interpolation="nearest"
     )

@@ -1,6 +1,6 @@
 """Distributions of pressure, gap and patch sizes; power spectra and autocorrelations."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from ..output.result import Result
 from .maps import slabs
-from .style import THEORY, Page, colour, line, log_axis
-from .view import View, label
+from .style import THEORY, Page, Units, colour, label, line, load_label, log_axis
+from .theory import Theory
 
 BINS = 48  # of pressure
 GAP_DECADES = 6  # of the gap in bins, below the largest one
@@ -26,29 +26,34 @@ SPECTRA = [f"{name}_{kind}" for kind in ("spectrum", "autocorrelation") for name
 ROUNDING = 1e-12  # relative, of a power
 
 
-def distributions(views: Sequence[View], names: list[str]) -> Page:
-    """Return a page of the first result's distributions, made from fields where it has none."""
-    return Page([partial(_distribution, view=views[0], name=name) for name in names])
+def distributions(
+    result: Result, names: list[str], units: Units, theory: Theory | None = None
+) -> Page:
+    """Return a page with a panel for each of DISTRIBUTIONS in names, made from fields where the
+    result has none.
+    """
+    draw = partial(_distribution, result=result, units=units, theory=theory)
+    return Page([partial(draw, name=name) for name in names])
 
 
-def spectra(views: Sequence[View], names: list[str]) -> Page:
-    """Return a page with a panel for each of SPECTRA in names, of the first result."""
+def spectra(result: Result, names: list[str], units: Units) -> Page:
+    """Return a page with a panel for each of SPECTRA in names."""
     draw = {"spectrum": _spectrum, "autocorrelation": _autocorrelation}
     kinds = [name.split("_") for name in names]
-    return Page([partial(draw[kind], view=views[0], name=name) for name, kind in kinds])
+    return Page(
+        [partial(draw[kind], result=result, name=name, units=units) for name, kind in kinds]
+    )
 
 
-def _distribution(ax: Any, view: View, name: str) -> None:
+def _distribution(ax: Any, result: Result, name: str, units: Units, theory: Theory | None) -> None:
     """Draw one distribution of every load and the theory; titles tell if there is none."""
     symbol, title, fewest, power = DISTRIBUTIONS[name]
-    densities = [
-        (k, *_joined(edges, shares, fewest)) for k, edges, shares in _shares(view.result, name)
-    ]
+    densities = [(k, *_joined(edges, shares, fewest)) for k, edges, shares in _shares(result, name)]
     if not densities:
         ax.set(title=f"{title}: none", xticks=[], yticks=[])
         return
     highest = max(edges[-1] for _, edges, _ in densities)
-    scale = view.lengths if power == 2 else view.units.of(name, [highest])
+    scale = units.lengths if power == 2 else units.of(name, [highest])
     unit = scale.unit**power
     for k, edges, values in densities:
         ax.stairs(
@@ -58,7 +63,7 @@ def _distribution(ax: Any, view: View, name: str) -> None:
             linewidth=1.1,
             color=colour(k),
             linestyle=line(k),
-            label=view.name_of(k),
+            label=load_label(result, k, units),
         )
     density = label(f"P({symbol})", (scale, -power))
     ax.set(xlabel=scale.label(symbol, power), ylabel=density, title=title)
@@ -67,11 +72,12 @@ def _distribution(ax: Any, view: View, name: str) -> None:
     log_axis(ax, "y")
     if name == "pressure":
         ax.set_xlim(0, 1.03 * highest / unit)
-        if view.hardness is not None:
-            ax.axvline(
-                view.hardness / unit, label="hardness", color="0.5", linewidth=0.8, linestyle=":"
-            )
-        _theory(ax, view, densities, unit)
+        scene = result.readable_scene
+        hardness = scene.material.hardness if scene else None
+        if hardness is not None:
+            ax.axvline(hardness / unit, label="hardness", color="0.5", linewidth=0.8, linestyle=":")
+        if theory and theory.density:
+            _theory(ax, theory.density, theory.name, result, densities, unit)
     else:
         lowest = min(edges[edges > 0][0] for _, edges, _ in densities)
         below = highest / 10**DECADES if name == "gap" else 0.0
@@ -79,16 +85,15 @@ def _distribution(ax: Any, view: View, name: str) -> None:
         log_axis(ax, "x")
 
 
-def _theory(ax: Any, view: View, densities: list[Any], unit: float) -> None:
-    """Draw the theory's density for each load (index, edges, values); unit: of the axis."""
-    theory = view.theory
-    if not (theory and theory.density):
-        return
+def _theory(
+    ax: Any, density: Callable, name: str, result: Result, densities: list[Any], unit: float
+) -> None:
+    """Draw a theory's density for each load (index, edges, values); unit: of the axis."""
     for k, edges, _ in densities:
         x = np.linspace(0, edges[-1], 301)[1:]
-        y = theory.density(x, view.result.steps[k]["p"])
+        y = density(x, result.steps[k]["p"])
         ax.plot(x / unit, y * unit, **THEORY | {"color": colour(k)})
-    ax.plot([], [], label=theory.name, **THEORY)
+    ax.plot([], [], label=name, **THEORY)
 
 
 def _shares(result: Result, name: str) -> Iterator[Any]:
@@ -147,27 +152,27 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
     return edges, sum(np.histogram(block, edges)[0] for block in values()) / (n_x * n_y)
 
 
-def _lines(view: View, name: str, x: str, y: str) -> Iterator[Any]:
+def _lines(result: Result, name: str, x: str, y: str, units: Units) -> Iterator[Any]:
     """Yield (x, y, keywords of plot) of a field for each load, heights once; x, y: ends of keys."""
-    for k, step in enumerate(view.result.steps):
+    for k, step in enumerate(result.steps):
         if f"{name}_{x}" in step:
             of_heights = name == "heights"
             how = {
                 "color": "black" if of_heights else colour(k),
                 "linestyle": "-" if of_heights else line(k),
-                "label": "heights" if of_heights else view.name_of(k),
+                "label": "heights" if of_heights else load_label(result, k, units),
             }
             yield *(np.array(step[f"{name}_{of}"], dtype=float) for of in (x, y)), how
             if of_heights:
                 return
 
 
-def _spectrum(ax: Any, view: View, name: str) -> None:
+def _spectrum(ax: Any, result: Result, name: str, units: Units) -> None:
     """Draw the power spectrum of a field for each load, without powers below rounding."""
-    length = view.lengths
-    lines = list(_lines(view, name, "spectrum_q", "spectrum_power"))
-    size = np.sqrt(max(power.max() for _, power, _ in lines) / view.units.size**2)
-    scale = view.units.of(name, [float(size)])
+    length = units.lengths
+    lines = list(_lines(result, name, "spectrum_q", "spectrum_power", units))
+    size = np.sqrt(max(power.max() for _, power, _ in lines) / units.size**2)
+    scale = units.of(name, [float(size)])
     for q, power, how in lines:
         shown = power > ROUNDING * power.max()
         y = power[shown] / (scale.unit**2 * length.unit**2)
@@ -183,12 +188,12 @@ def _spectrum(ax: Any, view: View, name: str) -> None:
     log_axis(ax, "y")
 
 
-def _autocorrelation(ax: Any, view: View, name: str) -> None:
+def _autocorrelation(ax: Any, result: Result, name: str, units: Units) -> None:
     """Draw the autocorrelation of a field over its value at 0 for each load, unless that is 0."""
-    length = view.lengths
+    length = units.lengths
     ax.axhline(0, color="0.8", linewidth=0.7, zorder=0)
     keys = "autocorrelation_r", "autocorrelation_correlation"
-    for r, correlation, how in _lines(view, name, *keys):
+    for r, correlation, how in _lines(result, name, *keys, units):
         if correlation[0] > 0:  # not of a gap that is closed
             ax.plot(r / length.unit, correlation / correlation[0], **how)
     symbol = SYMBOLS[name]

@@ -1,7 +1,9 @@
-"""How all pictures look: colours for the colour-blind, sizes of a journal of two columns."""
+"""How all pictures look: colours for the colour-blind, sizes of a journal of two columns, labels of
+axes with their units. Those have SI prefixes, or a result without units is drawn dimensionless.
+"""
 
 import io
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -14,9 +16,11 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
+from ..output.result import Result
+from ..output.summary import converged, is_positive
 from ..util.atomic import atomic_write
 from ..util.notebook import in_notebook
-from .view import tex_number
+from ..util.quantities import prefixed
 
 MARKERS = ("o", "s", "^", "D", "v", "P")
 LINES: tuple[Any, ...] = (
@@ -99,6 +103,105 @@ def line(k: int) -> Any:
     return LINES[k % len(LINES)]
 
 
+def tex_number(x: float, form: str = ".3g") -> str:
+    """Return a number in this format as TeX, with an exponent as a power of ten."""
+    mantissa, _, exponent = f"{x:{form}}".partition("e")
+    factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
+    return f"{factor}10^{{{int(exponent)}}}" if exponent else mantissa
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A unit that divides numbers, and its name: "MPa", if `relative` as "E^* g", or ""."""
+
+    unit: float = 1.0
+    name: str = ""
+    relative: bool = False
+
+    def label(self, symbol: str, power: int = 1) -> str:
+        """Return the label of an axis, such as "$p$ (MPa)" or "$p/E^*$"; the symbol is in TeX."""
+        return label(symbol, (self, power))
+
+    def value(self, symbol: str, number: float) -> str:
+        """Return a number as "$p = 20$ MPa" or, of a relative unit, "$p/E^* = 0.2$"."""
+        name = "" if self.relative else self.name
+        left = label(symbol, (self, 1)).split("$")[1]
+        return f"${left} = {tex_number(number / self.unit)}$ {name}".rstrip()
+
+
+def label(symbol: str, *scales: tuple[Scale, int]) -> str:
+    """Return the label of an axis for factors of its unit: "$P(p)$ (MPa$^{-1}$)", "$q L_x$"."""
+    above: list[str] = []
+    below: list[str] = []
+    units: list[str] = []
+    for scale, power in scales:
+        formula = f"({scale.name})" if " " in scale.name else f"{{{scale.name}}}"
+        if scale.relative:
+            raised = formula + (f"^{{{abs(power)}}}" if abs(power) > 1 else "")
+            (below if power > 0 else above).append(raised)
+        elif scale.name:
+            units.append(scale.name + (f"$^{{{power}}}$" if power != 1 else ""))
+    divisor = " ".join(below) if len(below) < 2 else f"({' '.join(below)})"
+    formula = r" \, ".join([symbol, *above]) + (f"/{divisor}" if below else "")
+    return f"${formula}$" + (f" ({' '.join(units)})" if units else "")
+
+
+class Units:
+    """The scales of a result: units with SI prefixes if it has units, otherwise relative ones.
+    `height`: what heights without a unit are divided by, and its name (default: h_rms); `rough`:
+    pressures scale with E* g_rms; `lengths`: the scale of positions.
+    """
+
+    def __init__(
+        self,
+        surface: Mapping[str, Any],
+        steps: Iterable[Mapping[str, Any]] = (),
+        height: tuple[float, str] | None = None,
+        dimensionless: bool = False,
+    ) -> None:
+        length, pressure = (
+            "" if dimensionless else surface.get(unit, "") for unit in ("unit", "pressure_unit")
+        )
+        self.size = surface.get("physical_sizes", (1.0, 1.0))[0]
+        self.rough = surface.get("kind", "self-affine") not in ("wave", "sphere")
+        height = height or (surface.get("h_rms") or 0.0, r"h_\mathrm{rms}")
+        slope = surface.get("g_rms")
+        unit = (
+            step["p"] / step["p_star"] / (1.0 if self.rough else slope)
+            for step in steps
+            if is_positive(slope) and is_positive(step.get("p_star")) and is_positive(step.get("p"))
+        )
+        name = r"E^* g_\mathrm{rms}" if self.rough else "E^*"
+        self._scales = {
+            "length": (length, Scale(self.size, "L_x", True)),
+            "pressure": (pressure, Scale(next(unit, 0.0), name, True)),
+            "height": (length, Scale(*height, True)),
+            "force": ("N" if length and pressure else "", Scale(0.0, "", True)),
+        }
+        self.lengths = self.of("length", surface.get("physical_sizes", (1.0, 1.0)))
+
+    def of(self, name: str, values: Iterable[Any]) -> Scale:
+        """Return the scale of "length", "pressure", "force" or heights, prefixed for the values."""
+        unit, relative = self._scales.get(name, self._scales["height"])
+        if unit:
+            factor, name = prefixed(values, unit)
+            return Scale(factor, name.replace("u", "µ"))
+        return relative if is_positive(relative.unit) else Scale()
+
+
+def load_label(result: Result, k: int, units: Units) -> str:
+    """Return the label of result.steps[k]: number, load, and a mark if not converged."""
+    step = result.steps[k]
+    name = f"step {result.indices[k]}"
+    pressures = units.of("pressure", [step.get("p")])
+    if units.rough and pressures.relative and is_positive(step.get("p_star")):
+        name += f": $p^* = {step['p_star']:.3g}$"
+    elif is_positive(step.get("p")):
+        name += f": {pressures.value('p_0', step['p'])}"
+    doubt = f"\nNOT CONVERGED ({step.get('status', 'unknown')})"
+    return name + ("" if converged(step) else doubt)
+
+
 class LogTicks(LogLocator):
     """Ticks of a logarithmic axis: decades, or 1, 3, or 1, 2, 5, ...: the first with three labels
     (two below 1e-3, where they are long).
@@ -145,7 +248,19 @@ class Page:
     width: float = WIDTH
     images: bool = False
 
-    def draw(self, fig: Any) -> None:
+    def picture(self, title: str) -> Picture:
+        """Draw all panels, row by row, as a new picture with one legend."""
+        with styled():
+            fig = new_picture()
+            self._draw(fig)
+            narrow = fig.get_figwidth() <= COLUMN_WIDTH
+            fewest = 1 if self.images else 2
+            legend(fig, "outside lower center", columns=1 if narrow else 4, fewest=fewest)
+            if title:
+                fig.suptitle(title, x=0.01, ha="left", wrap=True)
+        return fig
+
+    def _draw(self, fig: Any) -> None:
         """Draw all panels on an empty figure, row by row."""
         number = len(self.panels)
         columns = self.columns or (2 if number == 4 else min(3, number))

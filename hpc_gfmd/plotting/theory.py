@@ -3,18 +3,19 @@ a scene's [surface]; p is a mean and x a local pressure, in the unit of the resu
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import inf, isfinite, pi
 from typing import Any
 
 import numpy as np
 
 from ..output.result import Result
+from ..output.summary import is_positive
 from ..scene import ArrayScene, Scene
 from ..theory import persson, yielding
 from ..theory.elastic import Hertz, HertzLine, Westergaard
 from ..theory.slope_profile import SlopeProfile
 from ..util.quantities import prefixed
-from .view import Scale, Theory, good
 
 PERSSON = (
     "Persson, J. Chem. Phys. 115 (2001) 3840, doi:10.1063/1.1388626",
@@ -22,9 +23,23 @@ PERSSON = (
 )
 
 Spectrum = tuple[np.ndarray, np.ndarray]  # (q, C) at ascending q
-
-
 ROUNDING = 1e-12  # share of the largest power below which a spectrum is rounding errors
+
+
+@dataclass(frozen=True)
+class Theory:
+    """A theory of a surface, in the units of the result. `curves`: functions of the mean pressure
+    by the numbers that they predict; density(x, p), of the local pressure x > 0, integrates to a_r;
+    `height`: what heights without a unit are divided by, and its name, None for h_rms; `text`: the
+    name without TeX.
+    """
+
+    name: str
+    curves: dict[str, Callable]
+    density: Callable | None = None
+    height: tuple[float, str] | None = None
+    sources: tuple[str, ...] = ()
+    text: str = ""
 
 
 def theory_beside(result: Result, of_maps: bool) -> Theory | None:
@@ -58,7 +73,7 @@ def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
     E_star = float(scene.material.E_star)
     periodic = not any(surface.free)
     slope = attributes.get("g_rms")
-    if surface.kind == "self-affine" and periodic and good(slope):
+    if surface.kind == "self-affine" and periodic and is_positive(slope):
         if hardness is not None:
             return _yielding(E_star, float(hardness), slope)
         return _persson_of_self_affine(surface, E_star * slope, attributes)
@@ -100,7 +115,7 @@ def _persson_of_self_affine(surface: Any, unit: float, attributes: Any) -> Theor
     name = "Persson"
     eps_f = attributes.get("eps_f")
     spectrum = None
-    if good(eps_f) and eps_f < 1:
+    if is_positive(eps_f) and eps_f < 1:
         q = np.unique([1.0, surface.lam_l_over_lam_r, 1 / eps_f])  # in units of the longest wave's
         spectrum = q, np.maximum(q, surface.lam_l_over_lam_r) ** (-2 - 2 * surface.hurst)
         name = f"Persson ($\\gamma = {persson.GAMMA:g}$)"
@@ -115,7 +130,7 @@ def _persson_of_map(scene: Scene, attributes: Any, spectrum: Spectrum | None) ->
     slope = attributes.get("g_rms")
     sizes = attributes.get("physical_sizes")
     points = attributes.get("n")
-    if any(scene.surface.free) or not (good(slope) and sizes and points):
+    if any(scene.surface.free) or not (is_positive(slope) and sizes and points):
         return None
     material = scene.material
     not_covered = (material.thickness, material.adhesion, material.hardness)
@@ -160,7 +175,7 @@ def _hertz(surface: Any, E_star: float) -> Theory:
     if all(surface.free):
         curves["approach"] = lambda p: contact(p).approach
     source = "Hertz, J. Reine Angew. Math. 92 (1882) 156, doi:10.1515/crll.1882.92.156"
-    return Theory("Hertz", curves, density, Scale(L_x, "L_x", True), (source,))
+    return Theory("Hertz", curves, density, (L_x, "L_x"), (source,))
 
 
 def _hertz_line(surface: Any, E_star: float) -> Theory | None:
@@ -183,19 +198,19 @@ def _hertz_line(surface: Any, E_star: float) -> Theory | None:
         return area(p) * share / (peak * np.sqrt(1 - share**2))
 
     source = "Johnson, Contact Mechanics (1985), doi:10.1017/CBO9781139171731"
-    return Theory("Hertz", {"a_r": area}, density, Scale(width, "L", True), (source,))
+    return Theory("Hertz", {"a_r": area}, density, (width, "L"), (source,))
 
 
 def _westergaard(surface: Any, E_star: float) -> Theory:
     """Return Westergaard's theory of a wave along one axis, else a scale of heights alone."""
-    height = Scale(abs(float(surface.amplitude)), "A", True)
+    amplitude = abs(float(surface.amplitude))
     axis = 0 if surface.periods[0] else 1
-    if surface.periods[1 - axis] or not height.unit:
-        return Theory("", {}, height=height)
+    if surface.periods[1 - axis] or not amplitude:
+        return Theory("", {}, height=(amplitude, "A"))
     length = float(surface.physical_sizes[axis]) / surface.periods[axis]
 
     def contact(p: Any) -> Westergaard:
-        return Westergaard(p, height.unit, length, E_star)
+        return Westergaard(p, amplitude, length, E_star)
 
     def density(x: Any, p: Any) -> np.ndarray:
         solved = contact(p)
@@ -207,4 +222,4 @@ def _westergaard(surface: Any, E_star: float) -> Theory:
 
     curves = {"a_r": lambda p: contact(p).a_r, "gap_mean": lambda p: contact(p).gap_mean}
     source = "Westergaard, J. Appl. Mech. 6 (1939) A49, doi:10.1115/1.4008919"
-    return Theory("Westergaard", curves, density, height, (source,))
+    return Theory("Westergaard", curves, density, (amplitude, "A"), (source,))

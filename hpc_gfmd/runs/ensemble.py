@@ -200,7 +200,7 @@ class Ensemble:
         -------
         matplotlib.figure.Figure
         """
-        from ..plotting import plot
+        from .plot import plot
 
         return plot(self.results, what, **how)
 

@@ -67,9 +67,9 @@ class PreparedSurface:
 
     def plot(self, **how: Any) -> "Figure":
         """Draw the heights as a matplotlib figure; `how`: title, window and dpi of
-        `plotting.height_map`.
+        `plotting.maps.height_map`.
         """
-        from ..plotting import height_map
+        from ..plotting.maps import height_map
 
         return height_map(self.heights, self.sizes, self.unit, **how)
 

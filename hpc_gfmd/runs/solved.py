@@ -360,7 +360,7 @@ class Solved:
         SceneError
             For an unknown picture or keyword, or if the fields are spread over ranks.
         """
-        from ..plotting import plot
+        from .plot import plot
 
         _, _, *keywords = signature(plot).parameters
         for name in how:

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from functools import cache
+from pathlib import Path
 
 import matplotlib.image
 import numpy as np
@@ -12,10 +13,12 @@ from refusal import refused
 from result_files import begin
 
 import hpc_gfmd
-from hpc_gfmd import make_surface
+from hpc_gfmd import make_surface, plot
+from hpc_gfmd.commands.plot import figures, save_pictures
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.summary import error_bars
-from hpc_gfmd.plotting import figures, height_map, maps, plot, plot_result, style
+from hpc_gfmd.plotting import maps, style
+from hpc_gfmd.plotting.maps import height_map
 
 
 @pytest.fixture(autouse=True)
@@ -82,7 +85,7 @@ def ink(path):
 
 def test_pictures_are_saved_beside_the_file_or_in_a_new_folder(tmp_path, cli):
     file = write("run.h5", status="stagnated")
-    made = plot_result(file, what=["pressure", "a_r"])
+    made = save_pictures([read_result(file)], names=["pressure", "a_r"])
     assert [str(path) for path in made] == ["run_pressure.png", "run_a_r.png"]
     assert all(ink(path) > 0.02 for path in made)
     assert "not converged: step 0, 1" in cli.prints("plot", file, "-o", "a", "--what", "a_r")
@@ -105,7 +108,7 @@ tiny_share = {fields = ["gap"], pressure_edges = [0.0, 1.0, 2.0], pressure_densi
 
 @pytest.mark.parametrize("name", UNUSUAL)
 def test_unusual_results_are_drawn(name):
-    drawn = figures(read_result(write("run.h5", **UNUSUAL[name])))
+    drawn = figures([read_result(write("run.h5", **UNUSUAL[name]))])
     assert list(drawn) == (
         ["curves"] if name == "no_field" else ["maps", "distributions", "curves"]
     )
@@ -239,7 +242,7 @@ def test_plot_of_spectra(kind):
     solution.distribution("pressure_autocorrelation")
     with refused("what: found 'spectra' of step 1, allowed: maps"):
         solved(kind, units=True).plot("spectra", step=1)
-    ax = figures(solution.result)["spectra"].axes[0]
+    ax = figures([solution.result])["spectra"].axes[0]
     assert_readable(ax.figure)
     assert "A_p(r)/A_p(0)" in text_of(ax.figure)
     (line,) = ax.get_lines()
@@ -310,12 +313,12 @@ def text_of(fig):
 
 
 def test_suffix_selects_the_format():
-    file = write("run.h5", n=(8, 6))
+    file = read_result(write("run.h5", n=(8, 6)))
     for suffix, begins in (("pdf", b"%PDF"), ("svg", b"<?xml")):
-        (path,) = plot_result(file, f"one.{suffix}", "contact", step=1)
+        (path,) = save_pictures([file], Path(f"one.{suffix}"), ["contact"], step=1)
         assert path.read_bytes().startswith(begins)
         assert path.name == f"one.{suffix}"
-    several = plot_result(file, "all.png", ["a_r", "kappa"])
+    several = save_pictures([file], Path("all.png"), ["a_r", "kappa"])
     assert [p.name for p in several] == ["all_a_r.png", "all_kappa.png"]
 
 
@@ -330,7 +333,7 @@ def test_suffix_selects_the_format():
 )
 def test_theory_is_only_drawn_for_its_surfaces(scene, kind, name):
     file = write("run.h5", scene=scene, surface={"kind": kind})
-    for picture in figures(file, ["curves", "distributions"]).values():
+    for picture in figures([read_result(file)], ["curves", "distributions"]).values():
         text = text_of(picture)
         assert {theory for theory in ("Persson", "Hertz", "Westergaard") if theory in text} == (
             {name} if name else set()
@@ -378,7 +381,7 @@ def test_windows_show_all_grid_points():
 
 def test_missing_results_and_steps_are_refused():
     with refused("nothing to draw"):
-        plot_result(write("empty.h5", steps=0))
+        save_pictures([read_result(write("empty.h5", steps=0))])
     with refused("result: an empty list"):
         hpc_gfmd.plot([])
     file = write("run.h5", n=(8, 6), fields=())
@@ -391,6 +394,12 @@ def test_missing_results_and_steps_are_refused():
     ):
         with refused(words):
             plot(file, **options)
+
+
+def test_a_mistake_while_drawing_is_raised_as_it_is(monkeypatch):
+    monkeypatch.setattr(maps, "reduce_fields", None)
+    with pytest.raises(TypeError, match="not callable"):
+        plot(write("run.h5", n=(8, 6)), "maps")
 
 
 def test_heights_of_an_array():

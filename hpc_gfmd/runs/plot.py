@@ -1,61 +1,51 @@
-"""All pictures of a result: which there are, and how they are drawn and saved."""
+"""Pictures of results: which there are, and which panels and loads each shows."""
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from ..output.read import read_result
 from ..output.result import Result
+from ..output.summary import is_positive
+from ..plotting.curves import OVERVIEW, QUANTITIES, curves, drawn_sweep, is_tight
+from ..plotting.maps import FIELDS, maps, title_of, window_of
+from ..plotting.spectra import DISTRIBUTIONS, SPECTRA, distributions, spectra
+from ..plotting.style import COLUMN_WIDTH, Page, Picture, Units, styled
+from ..plotting.theory import theory_beside, theory_of
 from ..scene.explain import suggested
 from ..util.errors import GfmdError, SceneError, reason
-from .curves import OVERVIEW, QUANTITIES, curves, is_tight
-from .maps import FIELDS, maps, title_of
-from .spectra import DISTRIBUTIONS, SPECTRA, distributions, spectra
-from .style import COLUMN_WIDTH, Page, Picture, legend, new_picture, save, styled
-from .theory import theory_beside
-from .view import View, good
 
 MAX_STEPS = 4  # in maps, distributions and spectra unless `step` is given
-SUFFIXES = (".png", ".pdf", ".svg")
 
 
 class Kind(NamedTuple):
-    """How a picture is made, and numbers and fields of its panels, of which a step needs one."""
+    """A picture: its page, one of PAGES, and numbers and fields of which each panel needs one."""
 
-    page: Callable[[Sequence[View], list[str]], Page]
+    page: str
     panels: Mapping[str, tuple[str, ...]]
-
-
-def _curve(name: str) -> Kind:
-    """Make the kind of picture that is one curve, of the number `name`, against the load."""
-    return Kind(curves, {name: (name,)})
 
 
 MAPS = {name: (name,) for name in FIELDS} | {"contact": ("pressure", "gap")}
 PAGES = {
-    "maps": Kind(maps, {name: MAPS[name] for name in ("contact", "pressure", "gap")}),
-    "distributions": Kind(
-        distributions, {name: (*MAPS.get(name, ()), f"{name}_edges") for name in DISTRIBUTIONS}
-    ),
-    "spectra": Kind(spectra, {name: (f"{name}_q", f"{name}_r") for name in SPECTRA}),
-    "curves": Kind(curves, {name: (name,) for name in OVERVIEW} | {"p": ("time",)}),
+    "maps": {name: MAPS[name] for name in ("contact", "pressure", "gap")},
+    "distributions": {name: (*MAPS.get(name, ()), f"{name}_edges") for name in DISTRIBUTIONS},
+    "spectra": {name: (f"{name}_q", f"{name}_r") for name in SPECTRA},
+    "curves": {name: (name,) for name in OVERVIEW} | {"p": ("time",)},
 }
 PICTURES = (
-    PAGES
-    | {name: Kind(maps, {name: keys}) for name, keys in MAPS.items()}
-    | {name: _curve(name) for name in QUANTITIES}
+    {name: Kind(name, panels) for name, panels in PAGES.items()}
+    | {name: Kind("maps", {name: keys}) for name, keys in MAPS.items()}
+    | {name: Kind("curves", {name: (name,)}) for name in QUANTITIES}
 )
 
 
 def kind_of(name: str) -> Kind:
     """Return the kind of a picture; a name not in PICTURES is taken as a number of a load."""
-    return PICTURES.get(name) or _curve(name)
+    return PICTURES.get(name) or Kind("curves", {name: (name,)})
 
 
 def plot(
@@ -120,45 +110,72 @@ def plot(
         what = next((name for name in PICTURES if _can_draw(name, results, step)), "maps")
     if not _can_draw(what, results, step):
         _refuse(what, results, step)
-    kind = kind_of(what)
-    with styled():
-        view_of = partial(View, window=window, dpi=dpi, dimensionless=dimensionless)
-        views = [
-            view_of(shown, chosen_steps(shown, what, step), theory_beside(shown, persson), name)
-            for name, shown in results.items()
-        ]
-        panels = [
-            name
-            for name, keys in kind.panels.items()
-            if any(_steps(view.result, {name: keys}) for view in views)
-        ]
-        if "pressure" in panels and what == "maps":
-            panels.remove("contact")  # which the pressure shows, too
-        page = _arranged(kind.page(views, panels), columns)
-        if ax is not None and len(page.panels) != 1:
-            raise SceneError(
-                f"ax: {what!r} has {len(page.panels)} panels, and one axes takes one panel, such as"
-                ' "pressure" of one load, or "a_r"'
-            )
-        fig = ax.figure if ax else new_picture()
-        try:
-            if ax is None:
-                page.draw(fig)
-            else:
-                page.panels[0](ax)
-        except OSError as error:
-            raise GfmdError(f"drawing {views[0].result.path}: {reason(error)}") from error
+    page = _arranged(_page(what, results, step, window, dpi, dimensionless, persson), columns)
+    if ax is not None and len(page.panels) != 1:
+        raise SceneError(
+            f"ax: {what!r} has {len(page.panels)} panels, and one axes takes one panel, such as"
+            ' "pressure" of one load, or "a_r"'
+        )
+    whole = next(iter(results.values()))
+    title = _title(whole, what, step) if len(results) == 1 else ""
+    try:
         if ax is None:
-            narrow = fig.get_figwidth() <= COLUMN_WIDTH
-            legend(
-                fig,
-                "outside lower center",
-                columns=1 if narrow else 4,
-                fewest=1 if page.images else 2,
+            return page.picture(title)
+        with styled():
+            page.panels[0](ax)
+    except OSError as error:
+        raise GfmdError(f"drawing {whole.path}: {reason(error)}") from error
+    return ax.figure
+
+
+def _page(
+    what: str,
+    results: Mapping[str, Result],
+    step: Any,
+    window: Any,
+    dpi: float | None,
+    dimensionless: bool,
+    persson: bool,
+) -> Page:
+    """Return the page of a picture, with the panels that any of the results has."""
+    for result in results.values():
+        window_of(result.surface, window)  # refuses a wrong window of any picture
+    page, needed = kind_of(what)
+    chosen = {name: chosen_steps(result, what, step) for name, result in results.items()}
+    loads = [result.some(chosen[name]) for name, result in results.items()]
+    panels = [
+        panel
+        for panel, keys in needed.items()
+        if any(_steps(result, {panel: keys}) for result in loads)
+    ]
+    if page == "curves":
+        sweeps = [
+            drawn_sweep(
+                name,
+                result,
+                chosen[name],
+                _units_of(result, dimensionless),
+                theory_beside(result, persson),
             )
-            if len(views) == 1:
-                fig.suptitle(_title(views[0], what), x=0.01, ha="left", wrap=True)
-    return fig
+            for name, result in results.items()
+        ]
+        return curves(sweeps, panels)
+    (result,) = results.values()
+    (drawn,) = loads
+    units = _units_of(result, dimensionless)
+    if page == "distributions":
+        return distributions(drawn, panels, units, theory_beside(result, persson))
+    if page == "spectra":
+        return spectra(drawn, panels, units)
+    if "pressure" in panels and what == "maps":
+        panels.remove("contact")  # which the pressure shows, too
+    return maps(drawn, panels, units, window_of(result.surface, window), dpi)
+
+
+def _units_of(result: Result, dimensionless: bool) -> Units:
+    """Return the scales of a result, of heights by the theory of its surface."""
+    theory = theory_of(result.readable_scene, result.surface)
+    return Units(result.surface, result.steps, theory.height if theory else None, dimensionless)
 
 
 def _arranged(page: Page, columns: int | None) -> Page:
@@ -175,7 +192,7 @@ def _arranged(page: Page, columns: int | None) -> Page:
 
 def _can_draw(what: Any, results: Mapping[str, Result], step: Any) -> bool:
     """Whether every result has a load step for the picture `what`; of several, only curves."""
-    if not isinstance(what, str) or not (len(results) == 1 or kind_of(what).page is curves):
+    if not isinstance(what, str) or not (len(results) == 1 or kind_of(what).page == "curves"):
         return False
     return all(chosen_steps(result, what, step) for result in results.values())
 
@@ -195,70 +212,17 @@ def _refuse(what: Any, results: Mapping[str, Result], step: Any) -> NoReturn:
 def _results(argument: Any) -> dict[str, Result]:
     """Return {name in the legend: Result} of the argument `result` of plot; paths are read."""
     if isinstance(argument, Mapping):
-        return {str(name): _result(solution) for name, solution in argument.items()}
+        return {str(name): result_of(solution) for name, solution in argument.items()}
     if not isinstance(argument, list | tuple):
-        return {"": _result(argument)}
-    results = map(_result, argument)
+        return {"": result_of(argument)}
+    results = map(result_of, argument)
     return {f"{k}: {_name(result)}": result for k, result in enumerate(results, 1)}
 
 
-def _result(solution_or_path: Any) -> Result:
+def result_of(solution_or_path: Any) -> Result:
     """Return the Result of a Solution or of Solutions, or read it from the file at a path."""
     result = getattr(solution_or_path, "result", solution_or_path)  # of a Solution
     return result if isinstance(result, Result) else read_result(result)
-
-
-def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
-    """Draw pictures as new figures by name; default: of maps, distributions, spectra and curves
-    what the result has, maps only with a window, and of several results the curves.
-    """
-    if isinstance(result, list):
-        return {name: plot(result, name, **how) for name in what or ["curves"]}
-    result = _result(result)
-    if not result.steps:
-        raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
-    possible = (
-        ["maps"]
-        if how.get("window")
-        else [name for name in PAGES if chosen_steps(result, name, how.get("step"))]
-    )
-    if len(result.steps) == 1 and len(possible) > 1:
-        possible = [name for name in possible if name != "curves"]
-    wanted = [what] if isinstance(what, str) else what or possible
-    return {name: plot(result, name, **how) for name in wanted}
-
-
-def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> list[Path]:
-    """Draw `figures`, save them and return their paths. where: a folder, made if its parent
-    exists, or a file, with names appended for several; default: RESULT.png beside the result.
-    """
-    if not isinstance(file, list):
-        file = _result(file)
-        where = where or (file.path or Path("contact")).with_suffix(".png")
-    drawn = figures(file, what, **how)
-    several = len(drawn) > 1
-    return [
-        _save_picture(fig, Path(where or "curves.png"), name, several, how.get("dpi"))
-        for name, fig in drawn.items()
-    ]
-
-
-def _save_picture(fig: Picture, where: Path, name: str, several: bool, dpi: float | None) -> Path:
-    """Save a picture as `where` (.png, .pdf or .svg), or as NAME.png in the folder `where`."""
-    as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
-    folder = where.parent if as_file else where
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as error:
-        raise SceneError(f"-o: pictures cannot go to {folder} ({reason(error)})") from None
-    path = folder / f"{name}.png"
-    if as_file:
-        path = where.with_stem(f"{where.stem}_{name}") if several else where
-    try:
-        save(fig, path, dpi)
-    except OSError as error:
-        raise GfmdError(f"writing {path}: {reason(error)}") from error
-    return path
 
 
 def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
@@ -273,7 +237,7 @@ def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
         return [k for k in result.places(np.atleast_1d(step).tolist()) if k in able]
     if what == "heights":
         return able[:1]  # the same under all loads
-    if kind.page is curves or len(able) <= MAX_STEPS:
+    if kind.page == "curves" or len(able) <= MAX_STEPS:
         return able
     return [able[k] for k in np.linspace(0, len(able) - 1, MAX_STEPS).round().astype(int)]
 
@@ -285,7 +249,10 @@ def _steps(result: Result, panels: Mapping[str, tuple[str, ...]]) -> list[int]:
         k
         for k, (step, fields) in enumerate(zip(result.steps, result.fields))
         if any(
-            key in fields or good(step.get(key)) or np.ndim(step.get(key, 0)) or is_tight(key, step)
+            key in fields
+            or is_positive(step.get(key))
+            or np.ndim(step.get(key, 0))
+            or is_tight(key, step)
             for key in keys
         )
     ]
@@ -299,8 +266,9 @@ def _name(result: Result) -> str:
     return title or (result.path.stem if result.path else "contact")
 
 
-def _title(view: View, what: str) -> str:
+def _title(result: Result, what: str, step: Any) -> str:
     """Return the title of a figure: title and surface of the result, number of loads left out."""
-    left = view.left_out if what != "heights" else 0
-    out = f"; {left} of {left + len(view.result.steps)} loads not shown" if left else ""
-    return title_of(_name(view.result), view.result.surface) + out
+    number = len(result.steps)
+    left = number - len(chosen_steps(result, what, step)) if what != "heights" else 0
+    out = f"; {left} of {number} loads not shown" if left else ""
+    return title_of(_name(result), result.surface) + out
