@@ -53,9 +53,9 @@ def judged_targets(wall, way):
         yield number, columns
 
 
-def missed_share(found, value, accuracy):
+def missed_share(reached, value, accuracy):
     """Return by which share of a value it is missed, 0 within the accuracy."""
-    share = abs(found / value - 1)
+    share = abs(reached / value - 1)
     return float(share) if share > accuracy + ROUNDED else 0.0
 
 
