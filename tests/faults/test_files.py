@@ -27,14 +27,6 @@ class Trap:
         return open, (self.path, "w")
 
 
-def h5(path, fill):
-    """Make an HDF5 file with fill(file), and elsewhere.h5, which no reader may open."""
-    with h5py.File(path.with_name("elsewhere.h5"), "w") as file:
-        file["surface"] = Z
-    with h5py.File(path, "w") as file:
-        fill(file)
-
-
 def cut(path, data, keep):
     """Write the first part of some data."""
     path.write_bytes(data[: int(keep * len(data))])
@@ -55,9 +47,10 @@ def trap(path):
 
 
 def linked(path):
-    """Make a file whose map is a link to another file."""
-    link = h5py.ExternalLink("elsewhere.h5", "/surface")
-    h5(path, lambda file: file.update(surface=link))
+    """Make a file whose map is a link to another file, which no reader may open."""
+    foreign(path.with_name("elsewhere.h5"))
+    with h5py.File(path, "w") as file:
+        file["surface"] = h5py.ExternalLink("elsewhere.h5", "/surface")
 
 
 def half_a_netcdf(path):

@@ -23,15 +23,8 @@ def slab(comm, n_x, empty=()):
     """Return the rows of this rank; the ranks in `empty` own none."""
     owners = [rank for rank in range(comm.size) if rank not in empty]
     cuts = np.linspace(0, n_x, len(owners) + 1).astype(int)
-    start = 0
-    stop = 0
-    for rank in range(comm.rank + 1):
-        if rank in owners:
-            start = cuts[owners.index(rank)]
-            stop = cuts[owners.index(rank) + 1]
-        else:
-            start = stop
-    return int(start), int(stop)
+    before = sum(rank < comm.rank for rank in owners)
+    return int(cuts[before]), int(cuts[before + (comm.rank in owners)])
 
 
 def field(n, dtype="float64"):

@@ -1,4 +1,4 @@
-"""Loads near the limit of what a flat top can carry, and contacts in which all points yield."""
+"""Loads near the limit of what a flat top can carry, or whole points at the hardness."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,6 @@ from oracle import solve_yielding
 import hpc_gfmd
 
 RIDGE = 1.0 * (np.abs(np.arange(16) - 8) < 4)[:, None] * np.ones(16)
-PINS = np.zeros((16, 16))
-PINS[np.ix_(np.arange(16) % 8 < 2, np.arange(16) % 8 < 2)] = 1.0
 
 
 def solve(heights, load, hardness, accuracy):
@@ -29,20 +27,6 @@ def test_a_ridge_next_to_its_limit(hardness, excess, accuracy):
     assert abs(solution.a_r / exact.a_r - 1) <= solution.errors[0] <= accuracy
     assert abs(solution.gap_mean / exact.gap_mean - 1) <= solution.errors[1] <= accuracy
     assert (exact.a_r > RIDGE.mean()) == (excess > 0)
-
-
-@pytest.mark.parametrize("hardness", [1e-5, 1e-3, 1e-1])
-@pytest.mark.parametrize("times", [0.5, 1.05, 4.0])
-def test_pins_that_all_yield(hardness, times):
-    """If the pins cannot carry the load, the body also touches the plate, however soft it is."""
-    load = times * hardness * PINS.mean()
-    solution = solve(PINS, load, hardness, 1e-3)
-    assert solution.status == "converged"
-    assert solution.pressure.mean() == pytest.approx(load, rel=2e-3)
-    assert solution.pressure.max() <= hardness
-    assert solution.a_r >= load / hardness * (1 - 1e-9)
-    exact = solve_yielding(PINS, load, hardness)
-    assert solution.a_r == pytest.approx(exact.a_r, rel=solution.errors[0] + 1e-9)
 
 
 def test_a_load_that_whole_points_carry_at_the_hardness():

@@ -31,12 +31,6 @@ def test_a_map_has_the_theory_of_the_wall_that_it_shows():
     assert "= 0.1, waves of 0.25 to 8 µm" in by_slope.name
 
 
-def test_a_picture_of_an_array_shows_its_material():
-    heights = hpc_gfmd.make_surface(**rough((2, 8, 4))).heights
-    solved = hpc_gfmd.solve(heights, p_star=0.1, hardness=0.5, boundary="periodic")
-    assert solved.plot("pressure").axes[0].get_legend_handles_labels()[1][-1].startswith("yields")
-
-
 def test_show_has_the_theory_beside_the_numbers(cli, tmp_path):
     """Area, and the gap where the spectrum of the heights is known; Hertz beside a ball."""
     scan = hpc_gfmd.prepare_surface(
