@@ -26,9 +26,6 @@ class StoppingCriterion:
     certificate_dtype: DTypeLike = np.float64
     duality: bool = False  # whether certificates have the duality gap, for half an FFT pair more
     in_turn: bool = False  # whether the solver frees transforms and last step during a certificate
-    # The smallest load that closes the gap is sought: points that are about to open then do not
-    # count as errors of area and gap.
-    closes: bool = False
     # accuracy of the result, where later loads need a better one of gap and pressure; or None
     of_result: float | None = None
 

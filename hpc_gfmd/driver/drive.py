@@ -100,6 +100,7 @@ class Loop:
 
     def begin_with(self, certificate: Certificate) -> Outcome | None:
         """Return the outcome if the start is the solution, by its certificate; else begin there."""
+        certificate = self._with_errors_that_count(certificate)
         error = self.criterion.left(certificate)
         if max(error, self.target.judge(self.solver, certificate)) < 1:
             return self._solved(certificate)
@@ -198,7 +199,14 @@ class Loop:
     def _certificate(self) -> Certificate:
         certificate = certificate_of(self.solver, self.criterion)
         self.pairs += certificate.pairs
-        return certificate
+        return self._with_errors_that_count(certificate)
+
+    def _with_errors_that_count(self, certificate: Certificate) -> Certificate:
+        """Return a certificate without errors of area and gap if all is closed and has to be."""
+        if not self.target.closes or certificate.contact < self.solver.N:
+            return certificate
+        _, _, pressure_error = certificate.errors
+        return replace(certificate, errors=(0.0, 0.0, pressure_error))
 
     def _solved(self, certificate: Certificate) -> Outcome | None:
         """Return the outcome of an accurate state; None if the guard does not confirm it."""
@@ -348,10 +356,7 @@ class Limits:
 
 
 def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
-    """Certify the solver's state (operators/state.py: what changes, and what follows). Collective.
-
-    With `criterion.closes` and all points in contact the errors of area and gap are 0.
-    """
+    """Certify the solver's state (operators/state.py: what changes and follows). Collective."""
     with solver.room() if criterion.in_turn else nullcontext():
         certificate = certify(
             solver.problem_now,
@@ -362,7 +367,4 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
         )
         if criterion.in_turn:
             solver.grid.forget_fft(criterion.certificate_dtype)
-    if criterion.closes and certificate.contact == solver.N:
-        _, _, pressure_error = certificate.errors
-        certificate = replace(certificate, errors=(0.0, 0.0, pressure_error))
     return certificate

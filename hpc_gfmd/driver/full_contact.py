@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..parallel.grid import Grid
     from ..solvers.base import Progress, Solver
-    from .load import Load
 
 
 def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tuple[float, float]:
@@ -66,17 +65,17 @@ class Pressure(Target):
 
 class Closing(Target):
     """The smallest load that closes the gap, to a relative tolerance. unit: with free edges
-    pressure and displacement (local slab) of a flat surface at a mean of 1, set before the
-    iterations.
+    pressure and displacement (local slab) of a flat surface at a mean of 1.
     """
 
     is_sought = True
     from_full_contact = True
+    closes = True
 
-    def __init__(self, tolerance: float):
+    def __init__(self, tolerance: float, unit: np.ndarray | None = None):
         super().__init__(1.0)
         self.tolerance = tolerance
-        self.unit: np.ndarray | None = None
+        self.unit = unit
 
     def follow(self, solver: Solver, progress: Progress, coarse: bool = False) -> bool:
         """Go to the smallest load that closes the start; raise it later under tension. Not on
@@ -134,13 +133,13 @@ class Closing(Target):
         return True
 
 
-def needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
+def needs_double(contact: Contact, target: Target, problem: Problem) -> bool:
     """Return whether a contact needs double precision: it stagnated, is not finite, has a mean gap
     or (if closed) a tension below rounding errors. Collective.
     """
     if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
         return True
-    if load.closes or contact.contact_points < contact.N:
+    if target.closes or contact.contact_points < contact.N:
         return False
     tension, _ = tension_of(contact.grid, contact.p)
     return tension > -ROUNDING * problem.rounding

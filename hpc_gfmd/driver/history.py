@@ -108,7 +108,7 @@ class History:
                 return contact
             approach = contact.certificate.approach
         else:
-            contact = unloaded_contact(self._sweep.working, load, apart)
+            contact = unloaded_contact(self._sweep.working, apart)
             of_gap = self.inherited.of_gap / contact.certificate.gap_mean
             certificate = replace(contact.certificate, errors=(0.0, of_gap, 0.0))
             contact = replace(contact, certificate=certificate)

@@ -1,35 +1,27 @@
-"""One load of a sweep, from the scene to the solver.
+"""One load of a sweep, as a scene prescribes it, and the state of an unfinished one.
 
-A Load says what is prescribed, in the units of the scene; its Target (target.py), which the sweep
-makes when the load's turn comes, has or finds the mean pressure in the program's unit.
+What the solver gets is the load's Target (target.py), which has or finds the mean pressure.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import nan
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from .target import Target
-
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
 
     from ..contact.contact import GridErrors
     from .grid_errors import CoarseContact
 
 
-@dataclass
+@dataclass(frozen=True)
 class Load:
-    """One prescribed load of a sweep, and the mean pressure that belongs to it."""
+    """One prescribed load of a sweep, in the units of the scene."""
 
     quantity: str  # which one is prescribed: "pressure", "a_r", "gap_mean" or "approach"
     value: float  # a pressure in the unit of E_star, a length in that of the heights, or an area
-    # Has the mean pressure in the program's unit, or finds it; nan in a load that the sweep has not
-    # prepared yet.
-    target: Target = field(default_factory=lambda: Target(nan))
     time: float = 0.0  # when it is reached; only a body that relaxes (history.py) asks
     share: float = 1.0  # accuracy of its contact over that requested; only a history asks
     # Whether it holds the bodies farther apart than the load before; only a cycle of adhesion
@@ -37,25 +29,20 @@ class Load:
     parts: bool = False
 
     @property
-    def p0(self) -> float:
-        """The mean pressure in the program's unit."""
-        return self.target.p0
-
-    @property
     def is_pressure(self) -> bool:
         """Whether the prescribed quantity is the mean pressure."""
         return self.quantity == "pressure"
+
+    @property
+    def closes(self) -> bool:
+        """Whether the smallest load that closes the gap everywhere is sought (an area of 1)."""
+        return self.quantity == "a_r" and self.value == 1
 
     def is_beyond(self, other: Load) -> bool:
         """Return whether this load holds the bodies at least as far apart as another one."""
         if self.quantity == "gap_mean":
             return self.value >= other.value
         return self.value <= other.value
-
-    @property
-    def closes(self) -> bool:
-        """Whether the smallest load that closes the gap everywhere is sought (an area of 1)."""
-        return self.quantity == "a_r" and self.value == 1
 
 
 class Unfinished(NamedTuple):

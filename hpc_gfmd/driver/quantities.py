@@ -73,21 +73,17 @@ class Gap(Root):
 
 class Opening(Gap):
     """A mean gap next to full contact, a power of (closes_at - p0)/p0, from a gap of 0: half the
-    pairs of `Gap` where few points are open. opens: distance to closing at which one open point
-    makes it.
+    pairs of `Gap` where few points are open. closes_at: the load that closes the gap; opens: how
+    far below that one open point makes the gap.
     """
 
     usual = 1.5
     from_full_contact = True
 
-    def __init__(self, value: float, working: WorkingSurface, opens: float):
-        self.opens = opens
+    def __init__(self, value: float, working: WorkingSurface, opens: float, closes_at: float):
         super().__init__(value, working)
-
-    def begin_below(self, closes_at: float) -> None:
-        """Set the load that closes the gap, and go to where one open point makes this gap."""
         self.closes_at = closes_at
-        self._go(log(closes_at) + log(max(closes_at / self.opens - 1, 1.0)))
+        self._go(log(closes_at) + log(max(closes_at / opens - 1, 1.0)))
 
     def straight(self, y: float) -> float:
         """log(top/y), linear in log(p0/(closes_at - p0))."""

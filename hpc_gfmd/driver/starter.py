@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..solvers.base import Solver
     from .grid_errors import CoarseContact
-    from .load import Load
     from .working_surface import WorkingSurface
 
 # A load starts from the one before if it is larger or smaller by less than this factor, else from
@@ -91,22 +90,22 @@ class Starter:
         self.forget()
         return gap
 
-    def start(self, load: Load, gap: np.ndarray | None = None, in_box: bool = True) -> Start:
+    def start(self, target: Target, gap: np.ndarray | None = None, in_box: bool = True) -> Start:
         """Start the solver at a load, made if there is none. Collective; Stopped on all ranks.
 
         From the load before (see `follows`), else the first of `_gaps` without far too much energy.
-        `gap` (local slab) is copied; in_box: may be solved in a box. The load's target changes.
+        `gap` (local slab) is copied; in_box: may be solved in a box. The target changes.
         """
-        if gap is None and self._kept is None and self.follows(load):
-            return self._continue(load)
+        if gap is None and self._kept is None and self.follows(target):
+            return self._continue(target)
         if self.working.saves_memory:
             self.solver = None
-        problem = replace(self.working.problem(load.p0), spring=load.target.spring)
-        gaps = self._gaps(load, problem, gap, in_box)
+        problem = replace(self.working.problem(target.p0), spring=target.spring)
+        gaps = self._gaps(target, problem, gap, in_box)
         best = next(gaps)
         if best.gap is None:
-            return self._start_in_box(load, problem, best)
-        solver, criterion = self._solver_for(load, problem, best.gap)
+            return self._start_in_box(target, problem, best)
+        solver, criterion = self._solver_for(target, problem, best.gap)
         if best.may_be_solved:
             certificate = _certified(solver, criterion, best.gap)
             pairs = best.pairs + certificate.pairs
@@ -121,7 +120,7 @@ class Starter:
     # -- the ways to start
 
     def _gaps(
-        self, load: Load, problem: Problem, gap: np.ndarray | None, in_box: bool
+        self, target: Target, problem: Problem, gap: np.ndarray | None, in_box: bool
     ) -> Iterator[Candidate]:
         """Yield gaps to start from, the best first: given, kept from another precision, undeformed
         (tension), 0 (full contact), from coarser grids or a plane, with an attraction from the
@@ -137,72 +136,72 @@ class Starter:
         if kept is not None:
             yield Candidate(kept, may_be_solved=not attracts)
             return
-        if load.p0 <= 0:
+        if target.p0 <= 0:
             yield Candidate(undeformed_gap(problem))
             return
-        if load.target.from_full_contact:
+        if target.from_full_contact:
             yield Candidate(_filled(problem, memory, 0.0), may_be_solved=True)
             return
         if self.settings.nested:  # "auto" or true
-            yield self._nested_start(load, problem, memory, in_box)
+            yield self._nested_start(target, problem, memory, in_box)
         else:
             yield Candidate(cold_gap(problem))
         if self.working.surface.h is not None:
             yield Candidate(self.working.surface.gap)
 
     def _nested_start(
-        self, load: Load, problem: Problem, memory: np.ndarray | None, in_box: bool
+        self, target: Target, problem: Problem, memory: np.ndarray | None, in_box: bool
     ) -> Candidate:
         """Return the solution on coarser grids, with an attraction of the contact without it,
         solved on this grid if there is none. Collective.
         """
         bare = replace(problem, attraction=None)
-        in_box = in_box and self._may_be_in_box(load)
-        start = self.working.nested().start(bare, self._make, load.target, memory, in_box)
+        in_box = in_box and self._may_be_in_box(target)
+        start = self.working.nested().start(bare, self._make, target, memory, in_box)
         if problem.attraction is None:
-            may_be_closed = load.is_pressure and load.p0 >= problem.body.full_p_star
+            may_be_closed = not target.is_sought and target.p0 >= problem.body.full_p_star
             return start._replace(may_be_solved=may_be_closed)
         if start.coarser or start.gap is None:
             return start._replace(coarser=())
         rough = roughly_solved(bare, self._make, start.gap, WITHOUT_ATTRACTION, Target(problem.p0))
         return Candidate(rough.state.g, start.pairs + rough.pairs)
 
-    def follows(self, load: Load) -> bool:
+    def follows(self, target: Target) -> bool:
         """Return whether a load starts from the one before, or goes on in double: if close, on
         retraction or in a cycle as `ContactModel.follows`; never to close the gap. Its p0 or a
         guess must be known.
         """
         if self._kept is not None:
             return True
-        if self.solver is None or load.closes:
+        if self.solver is None or target.closes:
             return False
         before = self.solver.state.p0
         model = self.working.model
         if model.attraction is not None:
-            if not goes_on(model.branch, load.p0, before):
+            if not goes_on(model.branch, target.p0, before):
                 return False
             if model.follows:  # however far: the state before is part of what is asked
                 return True
-        return 1 / WARM < load.p0 / before < WARM
+        return 1 / WARM < target.p0 / before < WARM
 
-    def _continue(self, load: Load) -> Start:
-        """Continue the solver at the load's p0, from its present solution, with its counts at 0."""
+    def _continue(self, target: Target) -> Start:
+        """Continue the solver at the target's p0, from its present solution, with counts at 0."""
         solver = self.solver
         assert solver is not None
         solver.reset_counts()
-        solver.continue_at(load.p0)
-        return Start(solver, self._criterion_for(solver, load.closes), 0.0)
+        solver.continue_at(target.p0)
+        return Start(solver, self._criterion_for(solver), 0.0)
 
     # -- in a box
 
-    def _may_be_in_box(self, load: Load) -> bool:
+    def _may_be_in_box(self, target: Target) -> bool:
         """Return whether a box may hold the contact: an elastic one at a given load, free edges."""
         model = self.working.model
         grid = self.working.surface.grid
         is_open = all(m < n for m, n in zip(grid.nominal, grid.n))
-        return is_open and not (load.target.is_sought or model.attraction or model.hardness)
+        return is_open and not (target.is_sought or model.attraction or model.hardness)
 
-    def _start_in_box(self, load: Load, problem: Problem, best: Candidate) -> Start:
+    def _start_in_box(self, target: Target, problem: Problem, best: Candidate) -> Start:
         """Start from the contact in a box, or in a larger one if points beyond it penetrate."""
         nested = self.working.nested()
         box = best.box
@@ -211,7 +210,7 @@ class Starter:
             self.forget()  # its memory is needed for the box
             solved = solved_in(box, problem, nested.grids, self._solve_alone)
             gap = problem.grid.empty(problem.dtype)
-            solver, criterion = self._solver_for(load, problem, gap)
+            solver, criterion = self._solver_for(target, problem, gap)
             certificate, neglected = certify_pressure(
                 solver.problem_now,
                 solved.part,
@@ -231,7 +230,7 @@ class Starter:
             touching = box.touching.joined(penetrating)
             box = Box.around(touching, problem.grid, nested.grids, problem.grid.comm)
         self.forget()
-        on_whole = self.start(load, in_box=False)
+        on_whole = self.start(target, in_box=False)
         return on_whole._replace(pairs=pairs + on_whole.pairs)
 
     def _solve_alone(self, problem: Problem) -> tuple[Solver, float, Sequence[CoarseContact]]:
@@ -256,20 +255,21 @@ class Starter:
         return self.solver_class(problem, self.settings.options, gap)
 
     def _solver_for(
-        self, load: Load, problem: Problem, gap: np.ndarray
+        self, target: Target, problem: Problem, gap: np.ndarray
     ) -> tuple[Solver, StoppingCriterion]:
-        """Return the solver at the load, with counts at 0 and `gap` as its array if new, and its
-        criterion. The caller has to lay it down at the gap; in low memory the heights are freed.
+        """Return the solver at the target's p0, with counts at 0 and `gap` as its array if new, and
+        its criterion. The caller has to lay it down at the gap; in low memory the heights are
+        freed.
         """
-        p0 = load.target.begin()
+        p0 = target.begin()
         problem = self.working.problem_to_iterate(replace(problem, p0=p0))
         if self.solver is None:
             self.solver = self._make(problem, gap)
         self.solver.reset_counts()
         self.solver.state.p0 = problem.p0
-        return self.solver, self._criterion_for(self.solver, load.closes)
+        return self.solver, self._criterion_for(self.solver)
 
-    def _criterion_for(self, solver: Solver, closes: bool = False) -> StoppingCriterion:
+    def _criterion_for(self, solver: Solver) -> StoppingCriterion:
         """Return a load's criterion; its certificate is in double if rounding would spoil it."""
         working = self.working
         dtype = DOUBLE if working.rounding_counts(solver.problem_now) else working.dtype
@@ -277,7 +277,6 @@ class Starter:
             self.criterion,
             certificate_dtype=dtype.type,
             in_turn=working.saves_memory and dtype != working.dtype,
-            closes=closes,
         )
 
 

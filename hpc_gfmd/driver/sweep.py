@@ -159,26 +159,21 @@ class Sweep:
             If the heights of the surface's file have changed since.
         """
         if self.working.is_flat:
-            return flat_contact(self.working, load)
+            return flat_contact(self.working, load.value)
         if self._failed and not self.model.follows:
             self.starter.forget()
-        held = None
-        if self.model.attraction is not None and not load.is_pressure:
-            if self._stays_separated(load):
-                return self._separated(load)
-            load, held, pairs = self._held(load, unfinished)
-        else:
-            load = replace(load, target=self._target_of(load))
-            pairs = self._solve_before(load)
+        if self._stays_separated(load):
+            return self._separated(load)
+        target, gap, pairs = self._prepared(load, unfinished)
         if unfinished is not None:
+            gap = unfinished.gap
             pairs += unfinished.pairs
-            load.target.begin_at(unfinished.p_mean / self.working.pressure_unit)
+            target.begin_at(unfinished.p_mean / self.working.pressure_unit)
         self.coarser = ()
-        gap = held if unfinished is None else unfinished.gap
-        contact, pairs = self._attempt(load, watch, unfinished, gap, pairs)
+        contact, pairs = self._attempt(load, target, watch, unfinished, gap, pairs)
         if contact is None:
             self._go_on_in_double()
-            contact, pairs = self._attempt(load, watch, unfinished, gap, pairs)
+            contact, pairs = self._attempt(load, target, watch, unfinished, gap, pairs)
         assert contact is not None  # double precision always gives one
         self._failed = contact.status not in ("converged", "interrupted", "separated")
         self._separated_at = load if contact.is_separated else None
@@ -188,23 +183,65 @@ class Sweep:
             return self._with_other_branch(contact)
         return contact
 
-    # -- targets
+    # -- from a load to its target
 
-    def _target_of(self, load: Load) -> Target:
-        """Return the target of a load without attraction, or under a dead load. Collective."""
+    def _prepared(
+        self, load: Load, unfinished: Unfinished | None
+    ) -> tuple[Target, np.ndarray | None, float]:
+        """Return the target of a load, the gap to start from if it has to be that, and the FFT
+        pairs of other contacts that had to be solved for these. Collective.
+        """
+        model = self.model
         working = self.working
         if load.is_pressure:
-            kind = Target if self.model.attraction is not None else Pressure
-            return kind(load.value / working.pressure_unit)
+            kind = Target if model.attraction is not None else Pressure
+            return kind(load.value / working.pressure_unit), None, 0.0
+        if model.attraction is not None:
+            return self._held(load, unfinished)
         if load.closes:
-            return Closing(self.settings.tolerance)
+            return self._closing()
         is_area = load.quantity == "a_r"
         value = load.value if is_area else load.value / working.surface.slope
-        if load.quantity == "gap_mean" and self.model.hardness is None:
+        if load.quantity == "gap_mean" and model.hardness is None:
             opens = opening_load(load.value, working)
             if opens < NEARLY_CLOSED:
-                return Opening(value, working, opens)
-        return ROOTS[load.quantity](value, working, self._history)
+                closed = self.solve(Load("a_r", 1.0), self._raise_if_stopped)
+                closes_at = closed.p_mean / closed.pressure_unit
+                return Opening(value, self.working, opens, closes_at), None, closed.pairs
+        return ROOTS[load.quantity](value, working, self._history), None, 0.0
+
+    def _closing(self) -> tuple[Target, None, float]:
+        """Return the target of full contact; with free edges a flat punch is solved first."""
+        if not self.surface.grid.padded:
+            return Closing(self.settings.tolerance), None, 0.0
+        unit, pairs = self._flat_solution()
+        return Closing(self.settings.tolerance, unit), None, pairs
+
+    def _held(self, load: Load, unfinished: Unfinished | None) -> tuple[Target, np.ndarray, float]:
+        """Return the `Held` of a gap or approach with attraction, the gap to start from (that of
+        `unfinished`, of the load before, or without attraction, solved here), and FFT pairs.
+        Collective.
+        """
+        working, solver = self.working, self.starter.solver
+        pairs = 0.0
+        if unfinished is not None:
+            gap, p0 = unfinished.gap, unfinished.p_mean / working.pressure_unit
+        elif self.model.follows and solver is not None:
+            gap, p0 = solver.state.g.copy(), solver.state.p0
+        else:
+            bare = self._on_same_surface(self.model.without_attraction)
+            start = bare.solve(load, self._raise_if_stopped)
+            gap, p0, pairs = start.g, start.p_mean / working.pressure_unit, start.pairs
+        target = Held(
+            load.quantity,
+            load.value / working.surface.height_unit,
+            self.settings.tolerance,
+            p0,
+            working.problem(p0),
+            gap_at_touch=working.heights.top / working.surface.grid.a,
+            gap_at_start=gap,
+        )
+        return target, gap, pairs
 
     def _remember(self, contact: Contact) -> None:
         """Store load, area, gap and approach of a solution, from which later targets begin."""
@@ -234,6 +271,7 @@ class Sweep:
     def _attempt(
         self,
         load: Load,
+        target: Target,
         watch: Watch | None,
         unfinished: Unfinished | None,
         gap: np.ndarray | None,
@@ -244,39 +282,40 @@ class Sweep:
         contact the starter's solver holds the gap that was reached.
         """
         working = self.working
-        load.target.measure(working)
-        attracts = self.model.attraction is not None
-        begins = gap is None and not self.starter.follows(load)
-        if working.is_too_coarse(load.target, gap):
+        target.measure(working)
+        begins = gap is None and not self.starter.follows(target)
+        if working.is_too_coarse(target, gap):
             if begins:
                 self.starter.forget()
             return None, pairs
-        if load.p0 < 0 and begins:
+        if target.p0 < 0 and begins:
             return self._separated(load, pairs=pairs), pairs
-        start = self.starter.start(load, gap)
+        start = self.starter.start(target, gap)
         self.coarser = start.coarser or self.coarser
         solver = start.solver
         if unfinished is not None:
             solver.iterations = unfinished.iterations
         pairs += start.pairs
-        if working.is_too_coarse(load.target):  # as the coarser grids have found
+        if working.is_too_coarse(target):  # as the coarser grids have found
             return None, pairs + solver.pairs
+        attracts = self.model.attraction is not None
         guard = SaddleGuard(solver, self.model.branch_of(load)) if attracts else None
-        outcome = drive(solver, start.criterion, watch, load.target, guard, start.certificate)
+        outcome = drive(solver, start.criterion, watch, target, guard, start.certificate)
         pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
-            return self._separated(load, solver.iterations, pairs), pairs
+            return self._separated(load, target.note, solver.iterations, pairs), pairs
         contact = contact_of(
             working,
-            load,
+            load.value if load.is_pressure else solver.state.p0 * working.pressure_unit,
             solver.state,
-            self._status_of(outcome, load),
+            self._status_of(outcome, target),
             outcome.certificate,
+            remark=target.note,
             iterations=solver.iterations,
             pairs=pairs,
         )
-        is_enough = working.is_final or not needs_double(contact, load, solver.problem_now)
-        if not is_enough or working.is_too_coarse(load.target):
+        is_enough = working.is_final or not needs_double(contact, target, solver.problem_now)
+        if not is_enough or working.is_too_coarse(target):
             if contact.status == "nonfinite":
                 self.starter.forget()
             return None, pairs
@@ -290,15 +329,15 @@ class Sweep:
             self._of_grid = grid_errors(contact, self.coarser)
         return replace(contact, of_grid=self._of_grid)
 
-    def _status_of(self, outcome: Outcome, load: Load) -> str:
+    def _status_of(self, outcome: Outcome, target: Target) -> str:
         """Return the outcome's status; "stagnated" if the search needs double precision."""
-        if outcome.status == "converged" and load.target.needs_double and self.dtype != DOUBLE:
+        if outcome.status == "converged" and target.needs_double and self.dtype != DOUBLE:
             return "stagnated"
         return outcome.status
 
     def _stays_separated(self, load: Load) -> bool:
         """Return whether bodies that have come apart stay so at a mean gap or approach."""
-        if not self.model.follows or self._separated_at is None:
+        if load.is_pressure or not self.model.follows or self._separated_at is None:
             return False
         if load.quantity == "approach":
             touches = load.value > 0
@@ -306,10 +345,13 @@ class Sweep:
             touches = load.value < self.working.heights.top * self.working.surface.slope
         return load.is_beyond(self._separated_at) or not touches
 
-    def _separated(self, load: Load, iterations: int = 0, pairs: float = 0.0) -> Contact:
+    def _separated(
+        self, load: Load, remark: str | None = None, iterations: int = 0, pairs: float = 0.0
+    ) -> Contact:
         """Return the contact of bodies that have come apart, and drop the solver."""
         self.starter.forget()
-        return separated_contact(self.working, load, iterations, pairs)
+        p_mean = load.value if load.is_pressure else 0.0
+        return separated_contact(self.working, p_mean, remark, iterations, pairs)
 
     # -- other contacts on the same surface
 
@@ -331,47 +373,6 @@ class Sweep:
         return replace(
             contact, other_branch=compared(contact, other), pairs=contact.pairs + other.pairs
         )
-
-    def _held(self, load: Load, unfinished: Unfinished | None) -> tuple[Load, np.ndarray, float]:
-        """Prepare a gap or approach with attraction: return the load with its `Held`, the gap to
-        start from (unfinished, of the load before, or without attraction, solved here), and FFT
-        pairs. Collective.
-        """
-        working, solver = self.working, self.starter.solver
-        pairs = 0.0
-        if unfinished is not None:
-            gap, p0 = unfinished.gap, unfinished.p_mean / working.pressure_unit
-        elif self.model.follows and solver is not None:
-            gap, p0 = solver.state.g.copy(), solver.state.p0
-        else:
-            bare = self._on_same_surface(self.model.without_attraction)
-            start = bare.solve(load, self._raise_if_stopped)
-            gap, p0, pairs = start.g, start.p_mean / working.pressure_unit, start.pairs
-        value = load.value / working.surface.height_unit
-        target = Held(
-            load.quantity,
-            value,
-            self.settings.tolerance,
-            p0,
-            working.problem(p0),
-            gap_at_touch=working.heights.top / working.surface.grid.a,
-            gap_at_start=gap,
-        )
-        return replace(load, target=target), gap, pairs
-
-    # -- what some loads need before their own
-
-    def _solve_before(self, load: Load) -> float:
-        """Solve full contact or a flat punch if a load needs it; return FFT pairs. Collective."""
-        target = load.target
-        if isinstance(target, Closing) and self.surface.grid.padded:
-            target.unit, pairs = self._flat_solution()
-            return pairs
-        if isinstance(target, Opening):
-            closed = self.solve(Load("a_r", 1.0), self._raise_if_stopped)
-            target.begin_below(closed.p_mean / closed.pressure_unit)
-            return closed.pairs
-        return 0.0
 
     def _flat_solution(self) -> tuple[np.ndarray, float]:
         """Solve a flat punch, once; return pressure on and displacement beyond the surface, and FFT

@@ -28,6 +28,7 @@ class Target:
     note: str | None = None  # a remark for the user on the load that was found
     needs_double = False  # whether single precision cannot find the load, as far as known
     from_full_contact = False  # whether the iterations start from a gap of 0
+    closes = False  # whether points that are about to open are no errors of area and gap
     spring = 0.0  # stiffness of the spring that presses the body; 0: a dead load
     touches = False  # whether bodies that come apart have to be brought back
 

@@ -15,7 +15,6 @@ from ..operators.state import State
 from .nested import undeformed_gap
 
 if TYPE_CHECKING:
-    from .load import Load
     from .working_surface import WorkingSurface
 
 EXACT = (0.0, 0.0, 0.0)  # errors of area, mean gap and pressure
@@ -23,19 +22,20 @@ EXACT = (0.0, 0.0, 0.0)  # errors of area, mean gap and pressure
 
 def contact_of(
     working: WorkingSurface,
-    load: Load,
+    p_mean: float,
     state: State,
     status: str,
     certificate: Certificate,
+    remark: str | None = None,
     iterations: int = 0,
     pairs: float = 0.0,
 ) -> Contact:
-    """Assemble the Contact of a solved load, with the arrays of the state."""
+    """Assemble the Contact of a load with the arrays of a state; p_mean: in the unit of E_star."""
     model = working.model
     return Contact(
         working.surface,
         model.E_star,
-        load.value if load.is_pressure else state.p0 * working.pressure_unit,
+        p_mean,
         state.g,
         state.p,
         status,
@@ -43,7 +43,7 @@ def contact_of(
         accuracy=working.settings.tolerance,
         lam_s=model.lam_s,
         body=model.body,
-        remark=load.target.note,
+        remark=remark,
         iterations=iterations,
         pairs=float(pairs),
         hardness=model.hardness,
@@ -51,38 +51,45 @@ def contact_of(
     )
 
 
-def flat_contact(working: WorkingSurface, load: Load) -> Contact:
+def flat_contact(working: WorkingSurface, p_mean: float) -> Contact:
     """Return the contact of a flat periodic surface: closed at any pressure, without errors."""
     grid = working.surface.grid
     g = np.zeros_like(working.surface.gap)
-    p0 = load.value / working.model.E_star
+    p0 = p_mean / working.model.E_star
     state = State(grid, g, np.full_like(g, p0), p0)
     certificate = Certificate(contact=grid.N, errors=EXACT, duality_gap=0.0)
     uniform = float(working.model.body.stiffness(np.zeros(1), grid.a)[0])
     if uniform > 0:  # a layer is compressed as a whole
         certificate = replace(certificate, energy=0.5 * p0**2 / uniform, approach=p0 / uniform)
-    return contact_of(working, load, state, "converged", certificate)
+    return contact_of(working, p_mean, state, "converged", certificate)
 
 
-def unloaded_contact(working: WorkingSurface, load: Load, apart: float) -> Contact:
+def unloaded_contact(working: WorkingSurface, apart: float) -> Contact:
     """Return the contact, exactly known, of bodies that are `apart`. Collective."""
-    surface = working.surface
-    g = undeformed_gap(working.problem(0.0))
-    g += g.dtype.type(apart)
-    gap_mean = working.heights.top / surface.grid.a + apart
+    state = _undeformed(working)
+    state.g += state.g.dtype.type(apart)
+    gap_mean = working.heights.top / working.surface.grid.a + apart
     certificate = Certificate(errors=EXACT, gap_mean=gap_mean, approach=-apart)
-    no_load = replace(load, quantity="pressure", value=0.0)
-    state = State(surface.grid, g, np.zeros_like(g), 0.0)
-    return contact_of(working, no_load, state, "converged", certificate)
+    return contact_of(working, 0.0, state, "converged", certificate)
 
 
 def separated_contact(
-    working: WorkingSurface, load: Load, iterations: int = 0, pairs: float = 0.0
+    working: WorkingSurface,
+    p_mean: float,
+    remark: str | None = None,
+    iterations: int = 0,
+    pairs: float = 0.0,
 ) -> Contact:
-    """Return the contact of separated bodies: undeformed at touch, no pressure, a mean gap of nan,
-    the prescribed pressure or 0.
+    """Return the contact of separated bodies: undeformed at touch, no pressure, a mean gap of nan.
+
+    p_mean: the prescribed pressure, 0 at a gap or an approach.
     """
-    g = undeformed_gap(working.problem(load.p0))
     certificate = Certificate(errors=EXACT, gap_mean=np.nan)
-    state = State(working.surface.grid, g, np.zeros_like(g), load.p0 if load.is_pressure else 0.0)
-    return contact_of(working, load, state, "separated", certificate, iterations, pairs)
+    state = _undeformed(working)
+    return contact_of(working, p_mean, state, "separated", certificate, remark, iterations, pairs)
+
+
+def _undeformed(working: WorkingSurface) -> State:
+    """Return the state of a body without load that just touches."""
+    g = undeformed_gap(working.problem(0.0))
+    return State(working.surface.grid, g, np.zeros_like(g), 0.0)
