@@ -2,16 +2,13 @@
 
 import csv
 import io
-import re
-import textwrap
 from collections.abc import Iterator
-from itertools import groupby, zip_longest
+from itertools import groupby
 from operator import itemgetter
 from string import Formatter
 from typing import Any
 
 Rows = list[dict]
-CELL_WIDTH = 115  # characters of a table cell that can be read at a glance
 PRESSURES = {"low": 0.01 / 2**0.5, "high": 0.5 / 2**0.5}  # p_star; printed as 0.007 and 0.353
 
 
@@ -128,21 +125,12 @@ def comparison(paper: str, ours: str, why: str = "", **row: Any) -> dict:
 
 
 def table(rows: Rows, columns: dict[str, str]) -> str:
-    """Return a Markdown table with columns {title: template of the cells}. A long cell continues in
-    the next line after a comma or semicolon."""
+    """Return a Markdown table with columns {title: template of the cells}."""
     lines = [list(columns), ["---"] * len(columns)]
     for row in rows:
         cells = [filled(cell, row) for cell in columns.values()]
-        cells = [cell.replace("|", "\\|").replace("*", "\\*") for cell in cells]
-        lines += map(list, zip_longest(*map(_broken, cells), fillvalue=""))
+        lines.append([cell.replace("|", "\\|").replace("*", "\\*") for cell in cells])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
-
-
-def _broken(cell):
-    # Glue words together except after commas and the like that are not in brackets.
-    glued = re.sub(r" (?=[^()]*\))|(?<![,;:.]) ", "\0", cell)
-    parts = textwrap.wrap(glued, CELL_WIDTH, break_long_words=False, break_on_hyphens=False)
-    return [part.replace("\0", " ") for part in parts] or [""]
 
 
 def as_csv(rows: Rows) -> str:
