@@ -118,18 +118,15 @@ def maps(
 
 def height_map(
     heights: Any,
-    sizes: tuple[float, ...] = (1.0, 1.0),
-    unit: str = "",
+    surface: Mapping[str, Any],
     title: str = "surface",
     window: Any = None,
     dpi: float | None = None,
 ) -> Picture:
-    """Draw a map of heights (n_x, n_y), peaks up, of a cell of `sizes`, both in `unit`."""
-    n = heights.shape
-    h_rms = float(heights.std())
-    surface = {"n": list(n), "physical_sizes": list(sizes), "h_rms": h_rms, "unit": unit}
+    """Draw a map of heights (n_x, n_y), peaks up, of a surface with attributes as in a result."""
     window = window_of(surface, window)
-    pixels = reduce_fields({"heights": Slab(heights, 0, n)}, _pixels(1, dpi), window.points)
+    field = Slab(heights, 0, heights.shape)
+    pixels = reduce_fields({"heights": field}, _pixels(1, dpi), window.points)
     panel = partial(_field, name="heights", pixels=pixels, units=Units(surface), window=window)
     return _page([panel], 1, window).picture(title_of(title, surface))
 

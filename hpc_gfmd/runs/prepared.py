@@ -71,18 +71,21 @@ class PreparedSurface:
         """
         from ..plotting.maps import height_map
 
-        return height_map(self.heights, self.sizes, self.unit, **how)
+        return height_map(self.heights, self._attributes, **how)
 
-    def __repr__(self) -> str:
-        attributes = {
+    @property
+    def _attributes(self) -> dict[str, Any]:
+        return {
             "n": self.heights.shape,
             "physical_sizes": self.sizes,
             "h_rms": self.h_rms,
             "unit": self.unit,
         }
+
+    def __repr__(self) -> str:
         edges = {(False, False): "periodic", (True, True): "free edges"}.get(
             self.free, f"free edges along {'xy'[self.free[1]]}"
         )
-        parts = [surface_line(attributes), edges, *self.prepared]
+        parts = [surface_line(self._attributes), edges, *self.prepared]
         notes = f"; note: {'; '.join(self.notes)}" if self.notes else ""
         return f"<surface: {', '.join(parts)}{notes}>"

@@ -18,7 +18,6 @@ from hpc_gfmd.commands.plot import figures, save_pictures
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.summary import error_bars
 from hpc_gfmd.plotting import maps, style
-from hpc_gfmd.plotting.maps import height_map
 
 
 @pytest.fixture(autouse=True)
@@ -401,7 +400,8 @@ def test_a_mistake_while_drawing_is_raised_as_it_is(monkeypatch):
 
 def test_heights_of_an_array():
     heights = np.random.default_rng(1).normal(size=(30, 20)) * 1e-8
-    fig = height_map(heights, (3e-6, 2e-6), "m", "a scan")
+    scan = hpc_gfmd.prepare_surface(heights, physical_sizes=(3e-6, 2e-6), unit="m", boundary="free")
+    fig = scan.plot(title="a scan")
     assert all(
         words in text_of(fig) for words in ("a scan: 30 × 20 points", "$z$ (nm)", "$x$ (µm)")
     )
