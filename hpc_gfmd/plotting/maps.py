@@ -91,8 +91,6 @@ def maps(
     loads = range(len(result.steps))
     columns = min(2, len(loads)) if len(names) == 1 else len(names)
     pixels = _pixels(columns, dpi)
-    scene = result.readable_scene
-    hardness = scene.material.hardness if scene else None
 
     @cache
     def reduced(k: int) -> Reduced:
@@ -100,7 +98,7 @@ def maps(
         alone = {*names} <= {"heights", "displacement", "plastic", "dent"}
         needed = {*names} if alone else {*names, "pressure", "gap"}
         chosen = {n: fields[n] for n in needed & {*fields}}
-        return reduce_fields(chosen, pixels, window.points, hardness)
+        return reduce_fields(chosen, pixels, window.points, hardness_of(result))
 
     def panel(k: int, name: str, ax: Any) -> None:
         _field(ax, name, reduced(k), units, window)
@@ -114,6 +112,12 @@ def maps(
             ax.set_title(load_label(result, k, units) + area, loc="left", color=colour)
 
     return _page([partial(panel, k, name) for k in loads for name in names], columns, window)
+
+
+def hardness_of(result: Result) -> float | None:
+    """Return the hardness of the material of a result; None without one, or without a scene."""
+    scene = result.readable_scene
+    return scene.material.hardness if scene else None
 
 
 def height_map(

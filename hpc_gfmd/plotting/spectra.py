@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..output.result import Result
-from .maps import slabs
+from .maps import hardness_of, slabs
 from .style import THEORY, Page, Units, colour, label, line, load_label, log_axis
 from .theory import Theory
 
@@ -72,8 +72,7 @@ def _distribution(ax: Any, result: Result, name: str, units: Units, theory: Theo
     log_axis(ax, "y")
     if name == "pressure":
         ax.set_xlim(0, 1.03 * highest / unit)
-        scene = result.readable_scene
-        hardness = scene.material.hardness if scene else None
+        hardness = hardness_of(result)
         if hardness is not None:
             ax.axvline(hardness / unit, label="hardness", color="0.5", linewidth=0.8, linestyle=":")
         if theory and theory.density:
