@@ -22,6 +22,14 @@ def from_rank_0(comm, work):
     return comm.bcast(result)
 
 
+def save(comm, **arrays):
+    """Write arrays to files NAME.npy in the current folder, which ranks share. Collective."""
+    if comm.rank == 0:
+        for name, array in arrays.items():
+            np.save(f"{name}.npy", array)
+    comm.barrier()
+
+
 class Alone:
     """A sweep in one process, rank 0, whose loads are sent to all ranks.
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from contacts import random_heights
+from mpi.same import save
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Scene
@@ -30,13 +31,10 @@ def test_same_wall_on_any_number_of_ranks(comm, name):
     assert (made.h_rms, made.g_rms) == pytest.approx((whole.h_rms, whole.g_rms), rel=1e-12)
 
 
-def test_wall_of_coefficients_is_the_map_on_any_number_of_ranks(comm, shared_path):
+def test_wall_of_coefficients_is_the_map_on_any_number_of_ranks(comm):
     z = random_heights((15, 8))
-    path = shared_path / "c.npy"
-    if comm.rank == 0:
-        np.save(path, np.fft.fft2(z) / z.size)
-    comm.barrier()
-    spec = {"kind": "fourier", "path": str(path), "n": [15, 8]}
+    save(comm, c=np.fft.fft2(z) / z.size)
+    spec = {"kind": "fourier", "path": "c.npy", "n": [15, 8]}
     made = build_surface(
         Scene.from_dict({"surface": spec, "load": {"pressure": 1.0}}).surface, comm, np.float64
     )

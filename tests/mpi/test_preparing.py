@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from contacts import random_heights
-from mpi.same import from_rank_0
+from mpi.same import from_rank_0, save
 
 import hpc_gfmd
 from hpc_gfmd.parallel.comm import SerialComm
@@ -41,9 +41,7 @@ def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm):
     for n in ((6, 8), (2, 16), (34, 20)):
         z = random_heights(n) + 1e-2 * np.arange(n[1])
         z[4:9, 3:5] = np.nan
-        if comm.rank == 0:
-            np.save("z.npy", z)
-        comm.barrier()
+        save(comm, z=z)
         together = build_surface(spec, comm, np.float64)
         assert together.checksum == checksum_in_one_process(comm, spec)
         comm.barrier()
@@ -64,10 +62,9 @@ def test_a_map_that_needs_no_preparation_is_read_by_rows(comm):
     holes = z.copy()
     holes[15, 3] = np.nan
     if comm.rank == 0:
-        for name, heights in (("z", z), ("holes", holes)):
-            np.save(f"{name}.npy", heights)
-            np.savetxt(f"{name}.txt", heights)
-    comm.barrier()
+        np.savetxt("z.txt", z)
+        np.savetxt("holes.txt", holes)
+    save(comm, z=z, holes=holes)
     keys = {"kind": "file", "boundary": "free", "physical_sizes": SIZES, "radius": 9.0}
     checksums = [
         build_surface(File(path=f"z.{suffix}", **keys), comm, np.float64).checksum
@@ -98,10 +95,7 @@ def test_two_scans_are_the_same_on_any_number_of_ranks(boundary, comm):
     fine = random_heights((37, 22), seed=1)
     coarse = random_heights((13, 9), seed=2)
     coarse[4:6, 3] = np.nan
-    if comm.rank == 0:
-        np.save("fine.npy", fine)
-        np.save("coarse.npy", coarse)
-    comm.barrier()
+    save(comm, fine=fine, coarse=coarse)
     bodies = ("fine.npy", {"path": "coarse.npy", "shift": (-0.3, 0.1)})
     keys = {"fill": "harmonic", "detrend": "tilt", "boundary": boundary, "physical_sizes": SIZES}
     spec = File(kind="file", bodies=bodies, **keys)

@@ -5,25 +5,11 @@ import pytest
 from contacts import rough, sweep_of
 
 import hpc_gfmd
-from hpc_gfmd.driver.precision import first_precision, known_heights, known_p_stars, precisions
-from hpc_gfmd.scene import Scene, SolverTable
+from hpc_gfmd.driver.precision import known_heights, known_p_stars, precisions
+from hpc_gfmd.scene import Scene
 
 SINGLE = np.dtype(np.float32)
 DOUBLE = np.dtype(np.float64)
-
-
-@pytest.mark.parametrize(
-    ("settings", "dtype"),
-    [
-        ({"accuracy": 1e-3}, SINGLE),
-        ({"accuracy": 1e-5}, DOUBLE),
-        ({"residual": 1e-3}, DOUBLE),
-        ({"accuracy": 1e-5, "precision": "single"}, SINGLE),
-        ({"accuracy": 1e-1, "precision": "double"}, DOUBLE),
-    ],
-)
-def test_first_precision(settings, dtype):
-    assert first_precision(SolverTable(**settings)) == dtype
 
 
 LOOSE = {"accuracy": 2e-3}
@@ -31,6 +17,10 @@ SOFT = {"accuracy": 1e-2}  # solver of bodies that are softer than the wall is s
 SWEEPS = [  # load, material, solver, precisions
     ({"p_star": [0.3, 0.2]}, {}, LOOSE, [SINGLE, SINGLE]),
     ({"p_star": [0.3, 1e-4, 0.3]}, {}, LOOSE, [SINGLE, DOUBLE, DOUBLE]),
+    ({"p_star": 0.3}, {}, {"accuracy": 1e-5}, [DOUBLE]),
+    ({"p_star": 0.3}, {}, {"residual": 1e-3}, [DOUBLE]),
+    ({"p_star": 0.3}, {}, {"accuracy": 1e-5, "precision": "single"}, [SINGLE]),
+    ({"p_star": 0.3}, {}, {"accuracy": 1e-1, "precision": "double"}, [DOUBLE]),
     # errors are left to later loads where dents stay
     ({"p_star": [0.1, 0.3, 0.2], "history": True}, {"hardness": 0.5}, {}, [DOUBLE] * 3),
     ({"p_star": [0.3], "history": True}, {"hardness": 0.5}, {}, [SINGLE]),

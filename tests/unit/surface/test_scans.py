@@ -169,17 +169,8 @@ NAMES_OF_COLUMNS = [
 ]
 
 
-def test_named_columns_of_points():
-    for names, mark in product(NAMES_OF_COLUMNS, "\t;,"):
-        Path("z.xyz").write_text(table_text([names, *point_rows(names)], mark))
-        topography = opened("z.xyz")
-        assert is_map(1e9 * topography.rows(0, 12)), (names, mark)
-        assert topography.sizes == pytest.approx(SIZES)
-        is_noted = any("column I is not used" in str(note) for note in topography.notes)
-        assert is_noted == ("I[1]" in names)
-
-
 ORDERS = [
+    lambda t: t,
     lambda t: t[::-1],
     lambda t: t[np.lexsort(t.T[[0, 1]])],
     lambda t: np.random.default_rng(1).permutation(t),
@@ -187,11 +178,14 @@ ORDERS = [
 ]
 
 
-def test_points_in_any_order():
-    for order in ORDERS:
-        rows = point_rows("xyz", order)
-        Path("z.xyz").write_text(table_text([("x[um]", "y[um]", "z[nm]"), *rows], " "))
-        assert is_map(heights("z.xyz"))
+def test_points_with_named_columns_in_any_order():
+    for names, mark, order in product(NAMES_OF_COLUMNS, "\t;,", ORDERS):
+        Path("z.xyz").write_text(table_text([names, *point_rows(names, order)], mark))
+        topography = opened("z.xyz")
+        assert is_map(1e9 * topography.rows(0, 12)), (names, mark)
+        assert topography.sizes == pytest.approx(SIZES)
+        is_noted = any("column I is not used" in str(note) for note in topography.notes)
+        assert is_noted == ("I[1]" in names)
 
 
 GWYDDION = "# Channel: Height\n# Width: 4 µm\n# Height: 2 µm\n# Value units: nm\n"
