@@ -10,8 +10,13 @@ import numpy as np
 
 from ..kernels.film import correct, gather, move, smooth, turn
 from ..util.errors import SceneError
+from .heights import ROWS
 from .topography import Topography
 
+COPIES = 1.9  # of a map that are held at once while it is filled,
+OF_MISSING = 1.2  # and more by the share of its points that are missing
+OF_RUNS = 1.4  # and by that of runs of missing points along y
+COUNTED = 1.2  # copies where none is missing
 TOLERANCE = 4e-15  # of what equations lack, rms, relative to the largest right-hand side
 STEPS = 400
 
@@ -45,6 +50,21 @@ def filled(topography: Topography, how: str) -> Topography:
     return topography.of_heights(z, line, filled=count)
 
 
+def copies_of_filling(topography: Topography) -> float:
+    """Return how many copies of a map filling its holes holds at once; reads the map by rows."""
+    n_x, n_y = topography.n
+    missing = 0
+    runs = 0
+    for start in range(0, n_x, ROWS):
+        holes = np.isnan(topography.rows(start, min(start + ROWS, n_x)))
+        missing += int(np.count_nonzero(holes))
+        runs += int(np.count_nonzero(holes[:, 0]))
+        runs += int(np.count_nonzero(holes[:, 1:] > holes[:, :-1]))
+    if missing == 0:
+        return COUNTED
+    return COPIES + (OF_MISSING * missing + OF_RUNS * runs) / (n_x * n_y)
+
+
 class Film:
     """The film over the missing points of a grid: 4 z - (sum of z of missing neighbours) = right.
 
@@ -63,9 +83,7 @@ class Film:
         self.right = np.empty(np.count_nonzero(missing), np.float32)
         self.heights = np.zeros(missing.shape, np.float32)
         if self.right.size:
-            whole = np.pad(missing, [(0, n % 2) for n in missing.shape], constant_values=True)
-            rows = whole[::2] & whole[1::2]
-            self.of_blocks = Film(rows[:, ::2] & rows[:, 1::2])  # that are missing altogether
+            self.of_blocks = Film(_blocks_of(missing))
 
     def lay(self) -> float:
         """Find the heights, nearly, by a symmetric V-cycle; return their product with `right`."""
@@ -79,6 +97,14 @@ class Film:
         blocks.lay()
         product: float = correct(self.heights, self.right, self.runs, blocks.heights)
         return product
+
+
+def _blocks_of(missing: np.ndarray) -> np.ndarray:
+    """Return which blocks of 2 x 2 points are missing altogether."""
+    whole = np.pad(missing, [(0, n % 2) for n in missing.shape], constant_values=True)
+    rows = whole[::2] & whole[1::2]
+    blocks: np.ndarray = rows[:, ::2] & rows[:, 1::2]
+    return blocks
 
 
 def _fill(z: np.ndarray, film: Film) -> None:

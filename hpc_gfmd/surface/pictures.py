@@ -86,14 +86,16 @@ def _heights(z: np.ndarray, holes: np.ndarray, spec: Any, scaled: tuple) -> Map:
     unit = spec.unit or "m"
     low, high = (h / factor(unit) if isinstance(h, Quantity) else h for h in spec.height_range)
     limits = np.iinfo(z.dtype)
-    share = (z.T - float(limits.min)) / (float(limits.max) - limits.min)
     is_named = any(isinstance(h, Quantity) for h in spec.height_range)
     texts = [getattr(h, "text", f"{h:g}") for h in spec.height_range]
     remark = (
         f"{limits.min} to {limits.max}, the range of {z.dtype}, stand for {texts[0]} to {texts[1]};"
         f" its numbers are {z.min()} to {z.max()}"
     )
-    heights = low + (high - low) * share
+    heights = z.T - float(limits.min)
+    heights /= float(limits.max) - limits.min
+    heights *= high - low
+    heights += low
     heights[holes.T] = np.nan
     return heights, Metadata(
         unit=unit if is_named else None, direction=DIRECTION, remarks=(remark,)

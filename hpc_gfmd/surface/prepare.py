@@ -13,14 +13,14 @@ import numpy as np
 
 from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
-from .fill import filled
+from .fill import copies_of_filling, filled
 from .heights import ROWS, StoredRows
 from .quality import DOUBT, notes_on, quality_of, window_notes, without_outliers
 from .topography import Topography
 from .two_scans import combined, interpolated, name_of, spacings_text
 
-# Copies of a map that a step holds at once, however many points are missing.
-COPIES = {"spikes": 3.2, "detrend": 2.3, "fill": 3.0, "flip": 2.1, "window": 3.2}
+# Copies of a map that a step holds at once, however many points are missing; see fill.py, too.
+COPIES = {"spikes": 3.2, "detrend": 2.3, "flip": 2.1, "window": 3.2}
 ADDED = 3.0  # likewise of the sum of two scans, beside these
 PIECE = 2.4  # of the rows that are read or mirrored at a time
 TRANSFORMED = 4.0  # of the lines that are transformed at a time
@@ -47,8 +47,11 @@ def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], t
 
 
 def bytes_of_preparing(topography: Topography, spec: Any) -> float:
-    """Return how many bytes reading and preparing a map take at most, on the process that does."""
-    part = prod((_cropped(topography, spec) if spec.crop else topography).n)
+    """Return how many bytes reading and preparing a map take at most, on the process that does; a
+    map that is to be filled is read by rows.
+    """
+    cropped = _cropped(topography, spec) if spec.crop else topography
+    part = prod(cropped.n)
     copies = max((COPIES[key] for key in COPIES if getattr(spec, key) not in IDLE), default=1.0)
     mirrored = part * 2 ** sum(spec.mirrored)
     before_mirroring = part if mirrored > part else 0
@@ -56,6 +59,10 @@ def bytes_of_preparing(topography: Topography, spec: Any) -> float:
     width = topography.n[1] * (1 + spec.mirrored[1])
     piece = PIECE * ROWS * width
     numbers = [copies * part]
+    if spec.fill not in IDLE:
+        maps = topography.bodies or (cropped,)
+        beside = [(copies_of_filling(a_map) - 1) * prod(a_map.n) for a_map in maps]
+        numbers.append(max(beside) + sum(prod(a_map.n) for a_map in maps))
     if mirrored > part:
         numbers.append(before_mirroring + mirrored + piece)
     if step != 1:
