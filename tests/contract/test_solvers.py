@@ -184,3 +184,13 @@ def test_gfmd_converges_at_its_stability_limit():
     """With little damping, the fastest mode still decays."""
     solver = started_cold("gfmd", problem_of(0.353), {"dt": 1.0})
     assert drive(solver, StoppingCriterion(residual=1e-6, max_iterations=200))[0] == "converged"
+
+
+def test_critical_damping_of_gfmd_is_the_fastest():
+    """With less the longest wave oscillates, with more it creeps."""
+    iterations = []
+    for damping in (0.1, 1.0, 10.0):
+        solver = started_cold("gfmd", problem_of(), {"damping": damping})
+        assert drive(solver, StoppingCriterion(residual=1e-6))[0] == "converged"
+        iterations.append(solver.iterations)
+    assert iterations[1] < 0.7 * min(iterations[0], iterations[2])

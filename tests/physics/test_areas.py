@@ -45,7 +45,11 @@ def test_equal_and_nearly_equal_peaks(spread):
         assert abs(contact.contact_points - target) <= 1
     else:
         assert contact.contact_points == 16  # the nearer
-        assert "a_r jumps from 0.01562 to 0.03125" in contact.note
+        jump = "a_r jumps from 0.01562 to 0.03125"
+        assert contact.note.endswith(f"; {jump}: the nearer is taken")
+        single = sweep_over(z, accuracy=1e-3, precision="single")
+        in_single = single.solve(Load("a_r", target / z.size))
+        assert in_single.note.endswith(f"; single precision cannot tell whether {jump}")
 
 
 def test_an_area_of_less_than_two_points():

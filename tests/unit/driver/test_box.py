@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from contacts import field, random_heights, relative, sweep_over
 
+import hpc_gfmd
 from hpc_gfmd.driver import box as module
 from hpc_gfmd.driver import starter
 from hpc_gfmd.driver.box import Rectangle
@@ -91,3 +92,12 @@ def test_contacts_that_no_box_holds_are_solved_on_the_whole_grid(boxes, monkeypa
     contact, whole = compare(np.maximum(ball(-0.3, 0), ball(0.3, 0)), 1e-5, monkeypatch)
     assert boxes == []
     assert contact.pairs == whole.pairs
+
+
+@pytest.mark.parametrize("load", [{"a_r": 2e-3}, {"pressure": 3e-5, "hardness": 0.1}])
+def test_sought_and_plastic_contacts_are_solved_on_the_whole_grid(boxes, load):
+    """Of these a box holds the contact, too, but it has one load, and no dents beyond it."""
+    how = {"physical_sizes": (1.0, 1.0), "boundary": "free"}
+    contact = hpc_gfmd.solve(ball(), **how, accuracy=1e-3, precision="double", **load)
+    assert contact.status == "converged"
+    assert boxes == []

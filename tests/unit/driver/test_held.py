@@ -1,5 +1,7 @@
 """The search for a mean gap or an approach that a spring holds."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -59,6 +61,15 @@ def test_a_jump_begins_again_with_a_stiffer_spring():
     assert solver.problem.spring == STIFFER * search.spring
     assert solver.state.p0 == pytest.approx(0.05)
     assert np.array_equal(solver.state.g, gap)
+
+
+def test_a_gap_is_met_if_the_tolerance_holds_its_certified_error_too():
+    problem = problem_of()
+    search = Held("gap_mean", 0.5, 1e-3, 0.05, problem, 1.0, problem.heights)
+    solver = solver_of(problem)
+    for error, is_met in ((3e-4, True), (5e-4, False)):
+        certificate = SimpleNamespace(gap_mean=0.5 * (1 + 6e-4), errors=(0.0, error, 0.0))
+        assert (search.judge(solver, certificate) < 1) == is_met
 
 
 def test_the_stability_of_another_load_divides_no_estimate():

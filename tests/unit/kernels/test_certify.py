@@ -48,3 +48,14 @@ def test_uncertain_points(random):
         assert counted[-1] == np.sum(distances_of_side <= 0.1**2) > 0
         wanted = [np.sum((binned > low) & (binned <= high)) for high, low in zip(edges, edges[1:])]
         assert np.array_equal(counted[:-1], wanted[:-1])
+
+
+@pytest.mark.parametrize(("easy", "hard"), [(9.0, 16.0), (16.0, 9.0)])
+def test_points_that_are_expected_to_change(easy, hard):
+    """Of those within twice the rms error the half with more, or all, and the root of it."""
+    takes = 8 * 2.0 ** -np.arange(certify.BINS)
+    points = np.zeros(certify.BINS)
+    points[[1, 2, 4]] = 100.0, hard, easy  # out of reach, beyond half of the reach, within it
+    for all_change, expected in ((False, 16 + 4), (True, 25 + 5)):
+        changing = certify.changing_points(points, takes, 1.0, 0.0, 1e9, 2.0, 3.0, all_change)
+        assert changing == expected

@@ -165,6 +165,17 @@ def test_spectrum_of_both_wave_numbers(tmp_path):
         wall((16, 40), **keys)
 
 
+def test_the_shortest_waves_of_a_table_on_the_coarsest_grid(tmp_path):
+    """A grid that sees one part of them alone, along x and along y, has the heights' rms of any."""
+    k = np.arange(-8, 9)
+    C = (np.hypot(k[:, None], k[8:]) <= 8) * 1e-4
+    np.savez(tmp_path / "C.npz", q_x=2 * np.pi * k, q_y=2 * np.pi * k[8:], C=C)
+    for random in ("amplitudes", "phases"):
+        keys = {"path": str(tmp_path / "C.npz"), "random": random}
+        coarse, fine = (wall((n, n), **keys).heights for n in (16, 32))
+        assert coarse.std() == pytest.approx(fine.std(), rel=1e-9)
+
+
 BAD_ARRAYS = [
     ({"q_y": [-1.0, 1.0]}, "found q_y = -1"),
     ({"C": np.ones((3, 2))}, r"found C of shape \(3, 2\)"),
