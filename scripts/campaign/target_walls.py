@@ -2,6 +2,7 @@
 changes in steps, jumps, or nearly jumps. By how much a target is missed counts as an error, too."""
 
 from dataclasses import replace
+from math import prod
 
 import numpy as np
 
@@ -45,8 +46,11 @@ def judged_targets(wall, way):
         truth = contact.solve(p_star, start, hardness)
         start = truth.pressure
         columns = {"p_star": p_star} | compared(solution, truth, contact, wall.E_star)
+        columns["jump"] = "jumps" in (solution.note or "")  # whether one was noted
         if solution.status == "converged" and quantity == "a_r":
-            columns["true"][0] += missed_area(solution, truth, contact, value, way, hardness)
+            columns["true"][0] += missed_area(
+                wall.heights, solution, truth, contact, value, way, hardness
+            )
         elif solution.status == "converged":
             gap = truth.gap_mean / np.std(contact.h[contact.D])
             columns["true"][1] += missed_share(gap, value, way["accuracy"])
@@ -59,15 +63,16 @@ def missed_share(reached, value, accuracy):
     return float(share) if share > accuracy + ROUNDED else 0.0
 
 
-def missed_area(solution, truth, contact, a_r, way, hardness):
-    """Return by which share a prescribed area is missed; truth is that of the solution's load.
+def missed_area(z, solution, truth, contact, a_r, way, hardness):
+    """Return by which share a prescribed area of a wall z is missed; truth is that of its load.
 
-    It is 0 within the accuracy, within one point, or on the nearer side of a noted jump that the
-    truth has, too.
+    It is 0 within the accuracy, within one point (of a wall that varies along one axis one line),
+    or on the nearer side of a noted jump that the truth has, too.
     """
     points = a_r * contact.N
     distance = abs(round(solution.a_r * contact.N) - points)
-    if distance <= max(way["accuracy"] * points, 1) + ROUNDED * points:
+    alike = [n for axis, n in enumerate(z.shape) if not np.ptp(z, axis=axis).any()]
+    if distance <= max(way["accuracy"] * points, prod(alike)) + ROUNDED * points:
         return 0.0
     if "jumps" in (solution.note or ""):
         nearest = nearest_count(contact, solution.p_star, points, hardness)
