@@ -207,6 +207,7 @@ class Sweep:
             if opens < NEARLY_CLOSED:
                 closed = self.solve(Load("a_r", 1.0), self._raise_if_stopped)
                 closes_at = closed.p_mean / closed.pressure_unit
+                # which may have gone on in double precision: another working surface
                 return Opening(value, self.working, opens, closes_at), None, closed.pairs
         return ROOTS[load.quantity](value, working, self._history), None, 0.0
 

@@ -13,7 +13,7 @@ from ..util.errors import SceneError
 from .heights import ROWS
 from .topography import Topography
 
-COPIES = 1.9  # of a map that are held at once while it is filled,
+COPIES = 2.0  # of a map that are held at once while it is filled,
 OF_MISSING = 1.2  # and more by the share of its points that are missing
 OF_RUNS = 1.4  # and by that of runs of missing points along y
 COUNTED = 1.2  # copies where none is missing
@@ -83,7 +83,9 @@ class Film:
         self.right = np.empty(np.count_nonzero(missing), np.float32)
         self.heights = np.zeros(missing.shape, np.float32)
         if self.right.size:
-            self.of_blocks = Film(_blocks_of(missing))
+            whole = np.pad(missing, [(0, n % 2) for n in missing.shape], constant_values=True)
+            rows = whole[::2] & whole[1::2]
+            self.of_blocks = Film(rows[:, ::2] & rows[:, 1::2])  # that are missing altogether
 
     def lay(self) -> float:
         """Find the heights, nearly, by a symmetric V-cycle; return their product with `right`."""
@@ -97,14 +99,6 @@ class Film:
         blocks.lay()
         product: float = correct(self.heights, self.right, self.runs, blocks.heights)
         return product
-
-
-def _blocks_of(missing: np.ndarray) -> np.ndarray:
-    """Return which blocks of 2 x 2 points are missing altogether."""
-    whole = np.pad(missing, [(0, n % 2) for n in missing.shape], constant_values=True)
-    rows = whole[::2] & whole[1::2]
-    blocks: np.ndarray = rows[:, ::2] & rows[:, 1::2]
-    return blocks
 
 
 def _fill(z: np.ndarray, film: Film) -> None:

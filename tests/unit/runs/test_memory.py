@@ -100,6 +100,19 @@ def test_preparing_takes_the_memory_that_is_forecast(keys, copies):
     assert peak < copies * z.nbytes
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "mirror"])
+@pytest.mark.parametrize("share", [1e-3, 0.5, 0.9])
+def test_filling_takes_the_memory_that_is_forecast(boundary, share):
+    """However many points are missing here and there."""
+    rng = np.random.default_rng(1)
+    z = rng.standard_normal((1024, 1024))
+    z[rng.random(z.shape) < share] = np.nan
+    np.save("z.npy", z)
+    keys = f'fill = "harmonic", boundary = "{boundary}"'
+    peak, forecast = peak_and_forecast(f'path = "z.npy", physical_sizes = [1, 1], {keys}')
+    assert peak < forecast < 1.25 * peak
+
+
 def _points(z):
     x, y = np.indices(z.shape)
     return np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
