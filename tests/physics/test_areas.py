@@ -5,7 +5,8 @@ import pytest
 from campaign.run import ways
 from campaign.solving import rows_of
 from campaign.table import failures
-from contacts import random_heights, sweep_over
+from campaign.truth import Contact
+from contacts import field, random_heights, sweep_over
 
 import hpc_gfmd
 from hpc_gfmd.driver.load import Load
@@ -66,3 +67,55 @@ def test_an_area_of_less_than_a_point_is_one_point():
     solution = hpc_gfmd.solve(z, a_r=0.2937, boundary="periodic", hardness=0.267)
     assert solution.a_r == pytest.approx(1 / 3)
     assert solution.p < hpc_gfmd.solve(z, a_r=0.6, boundary="periodic", hardness=0.267).p
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("below", [1e-9, 3e-8, 1e-7, 1e-6])
+@pytest.mark.parametrize("precision", ["auto", "single", "double"])
+@pytest.mark.parametrize("n", [16, 48])
+def test_a_last_open_point(n, precision, below):
+    """Just below the load that closes the gap one point is open, and its gap has a closed form.
+
+    Single precision cannot resolve it and reports that it has not converged.
+    """
+    z = np.random.default_rng(0).standard_normal((n, n))
+    sweep = sweep_over(z, accuracy=1e-8)
+    closed = sweep.solve(Load("a_r", 1.0))
+    stiffness = float(sweep.working.model.body.near(sweep.surface.grid)[0])
+    p = field(closed, "pressure").ravel()
+    closing = closed.p_mean - p.min()
+    if np.sort(p)[1] - p.min() < 2 * below * closing:
+        pytest.skip("two points open")
+    gap = below * closing / sweep.working.pressure_unit / stiffness / n**2
+    gap *= sweep.surface.height_unit
+    solution = hpc_gfmd.solve(z, closing * (1 - below), accuracy=1e-3, precision=precision)
+    if solution.status == "converged":
+        assert solution.a_r * n**2 == pytest.approx(n**2 - 1)
+        assert solution.gap_mean == pytest.approx(gap, rel=1e-3 + 1e-13 / below)
+    else:
+        assert precision == "single"
+        assert not max(solution.errors) < 1e-3
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("lower", [1e-2, 1e-4])
+@pytest.mark.parametrize("beyond", [2e-9, 1e-7, 1e-5])
+def test_a_second_point_that_just_touches(lower, beyond):
+    """Of two tall points one is slightly lower: the number of contacts is right, or its estimated
+    error covers the other one."""
+    z = random_heights((32, 32), seed=5)
+    top = z.max() + 5
+    z[3, 5] = top
+    z[9, 21] = top - lower
+    exact = Contact(z, (1.0, 1.0))
+    # S between the points, from a unit load on the first one
+    load = np.zeros(z.shape)
+    load[3, 5] = 1.0
+    S = exact.times(exact.S, load)
+    touching = lower / exact.height_unit / (S[3, 5] - S[9, 21]) / z.size
+    p_star = touching * (1 + beyond)
+    truth = exact.solve(p_star)
+    for accuracy in (1e-1, 1e-3):
+        solution = hpc_gfmd.solve(z, p_star * exact.g_rms, accuracy=accuracy)
+        points = round(solution.a_r * z.size)
+        assert abs(points - truth.contact) / truth.contact <= solution.errors[0] + 1e-9

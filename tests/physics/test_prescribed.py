@@ -1,5 +1,6 @@
 """Loads prescribed by gap, area, approach or force: accuracy, cost, and impossible values."""
 
+import re
 import tomllib
 from functools import partial
 
@@ -10,8 +11,9 @@ from refusal import refused
 from scene_tables import rows
 
 import hpc_gfmd
+from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.scene import LoadTable
+from hpc_gfmd.scene import LoadTable, Material
 from hpc_gfmd.solvers import solver_names
 
 LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
@@ -283,3 +285,57 @@ def test_a_hardness_that_no_pressure_reaches_changes_nothing(hardness, load):
     # one line of points more or less: the area goes in steps of 1/64
     assert found.p == pytest.approx(plain.p, rel=1e-2 if "a_r" in load else 1e-3)
     assert abs(found.a_r - plain.a_r) < 1.001 / 64
+
+
+def is_nearest_area(contact, sweep, target, accuracy):
+    """Return whether a contact has the target area or the nearest one that is possible.
+
+    In the second case its note must report a jump across the target, its area must be that of one
+    side of the jump, and neighbouring pressures must not give a nearer area.
+    """
+    area = quantity_of(contact, "a_r")
+    distance = abs(area - target)
+    if distance <= accuracy * target:
+        return True
+    tolerance = max(accuracy * target, 1 / contact.N)
+    jump = re.search(r"a_r jumps from ([\d.]+) to ([\d.]+)", contact.note)
+    before, after = map(float, jump.groups())
+    areas = [
+        quantity_of(sweep.solve(contact.p_mean * factor), "a_r")
+        for factor in np.geomspace(0.8, 1.25, 24)
+    ]
+    return (
+        before < target < after
+        and min(abs(area - before), abs(area - after)) <= tolerance
+        and min(areas) < target < max(areas)
+        and min(abs(a - target) for a in areas) > distance - tolerance
+    )
+
+
+WAVE = np.cos(2 * np.pi * np.arange(128) / 32)
+BODY = body_of(Material(**LAYER), (False, False))
+
+
+@pytest.mark.parametrize(
+    ("z", "settings", "target"),
+    [
+        # all points of a small surface touch at some trial load
+        (flat_tops(50, 12), {"accuracy": 3e-2}, 0.95),
+        # the ground between flat tops closes in unexpected jumps, each enclosed by two loads
+        *[
+            (flat_tops(64, 16), {"accuracy": 1e-3, "body": BODY}, share)
+            for share in (0.3, 0.6, 0.9)
+        ],
+        # coarse grids have few points on each of the equal peaks and mislead about the load
+        (0.01 * np.outer(WAVE, WAVE), {"accuracy": 1e-2}, 0.05),
+        (0.01 * np.outer(WAVE, WAVE), {"accuracy": 1e-2, "free": (True, True)}, 0.01),
+    ],
+)
+def test_an_area_that_jumps_across_the_target(z, settings, target):
+    """The nearest possible area is found."""
+    sweep, plain = (sweep_over(z, **settings) for _ in range(2))
+    contact = sweep.solve(Load("a_r", target))
+    allowed_pairs = 12 * plain.solve(contact.p_mean).pairs if "body" in settings else 60
+    assert contact.status == "converged"
+    assert contact.pairs < allowed_pairs
+    assert is_nearest_area(contact, plain, target, settings["accuracy"])
