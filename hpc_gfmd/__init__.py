@@ -17,5 +17,5 @@ its parts are imported when they are first used.
 
 import lazy_loader
 
-__version__ = "1.1.0"
+__version__ = "1.2.0.dev0"
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
