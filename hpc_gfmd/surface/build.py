@@ -228,7 +228,7 @@ def surface_of(
     grid = nominal_part(cell)
     with collective_errors(comm, "reading the surface"):
         z = np.ascontiguousarray(collected(topography.rows, *grid.rows, grid.n[1]))
-        lowest, top, sums = _range_of(z, grid, with_checksum)
+        lowest, top, total, sums = _range_of(z, grid, with_checksum)
     check(comm)
     made = partial(
         Surface,
@@ -241,6 +241,7 @@ def surface_of(
     )
     del topography  # it may hold heights that are not needed any more
     depth, top = comm.max([-lowest, top])
+    centre = float(comm.sum([total])[0]) / grid.N
     span = float(depth + top)
     if not cell.padded and not whole:
         grid, z = _leave_out_constant_axis(grid, z, top)
@@ -254,50 +255,39 @@ def surface_of(
             f" {1 / LARGEST:g}"
         )
 
-    def gap(i0: int, i1: int, out: np.ndarray | None = None) -> np.ndarray:
-        """Return the gap of some local rows, exact where it is small."""
-        return np.subtract(top, z[i0:i1], out=out)
-
-    total = sum(grid.by_rows(lambda i0, i1: gap(i0, i1).sum()))
-    centre = float(grid.comm.sum([total])[0]) / grid.N
-    scale = max(span - centre, centre)  # the largest of |gap - centre|
-
     def fill(i0: int, i1: int, x: np.ndarray) -> None:
-        deviation = gap(i0, i1, x[: i1 - i0])
-        deviation -= centre
-        deviation /= scale  # heights of 1e-200 or 1e200 have squares too
+        np.subtract(centre, z[i0:i1], out=x[: i1 - i0])  # of a small mean, which counts for nothing
 
-    h_rms, g_rms = (
-        scale * r
-        for r in (rms_between_neighbours(grid, fill, free) if cell.padded else rms(grid, fill))
-    )
+    h_rms, g_rms = rms_between_neighbours(grid, fill, free) if cell.padded else rms(grid, fill)
     surface = made(cell, None, h_rms=h_rms, g_rms=g_rms / grid.a)
     h = grid.empty(precision_of(dtype, surface))
     if h.dtype != np.float64:
         grid.forget_fft(np.float64)
 
     def divide(i0: int, i1: int) -> None:
-        np.divide(gap(i0, i1), g_rms, out=h[i0:i1], casting="same_kind")
+        gap = np.subtract(top, z[i0:i1])  # exact where it is small
+        np.divide(gap, g_rms, out=h[i0:i1], casting="same_kind")
 
     grid.by_rows(divide)
     return replace(surface, h=h)
 
 
-def _range_of(z: np.ndarray, grid: Grid, with_sums: bool) -> tuple[float, float, bytes]:
-    """Return the lowest and the highest of this rank's heights, and with_sums `sums_of_rows`;
-    SceneError for heights that are not finite or too large.
+def _range_of(z: np.ndarray, grid: Grid, with_sums: bool) -> tuple[float, float, float, bytes]:
+    """Return the lowest and the highest of this rank's heights, their sum, and with_sums
+    `sums_of_rows`; SceneError for heights that are not finite or too large.
     """
 
-    def of_piece(i0: int, i1: int) -> tuple[float, float, bytes]:
+    def of_piece(i0: int, i1: int) -> tuple[float, float, float, bytes]:
         rows = z[i0:i1]
-        return rows.min(), rows.max(), sums_of_rows(rows) if with_sums else b""
+        return rows.min(), rows.max(), rows.sum(), sums_of_rows(rows) if with_sums else b""
 
     pieces = grid.by_rows(of_piece)
-    lowest = np.min([low for low, _, _ in pieces], initial=np.inf)
-    highest = np.max([high for _, high, _ in pieces], initial=-np.inf)
+    lowest = np.min([low for low, _, _, _ in pieces], initial=np.inf)
+    highest = np.max([high for _, high, _, _ in pieces], initial=-np.inf)
     if len(z) and not -LARGEST <= lowest <= highest <= LARGEST:
         require_finite(z, grid.rows[0], "surface")
-    return lowest, highest, b"".join(sums for _, _, sums in pieces)
+    total = sum(total for _, _, total, _ in pieces)
+    return lowest, highest, total, b"".join(sums for _, _, _, sums in pieces)
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray, top: float) -> tuple[Grid, np.ndarray]:

@@ -38,7 +38,7 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
 
 def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
     """Return rms height and slope (per spacing a) by neighbours, not across free edges. Collective.
-    fill(i0, i1, x) writes local rows of a field of mean 0; it is called once.
+    fill(i0, i1, x) writes local rows of a field whose mean is small; it is called once.
     """
     x = np.empty(grid.shape)
     fill(0, len(x), x)
@@ -46,17 +46,18 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
     if free[0] and grid.rows[1] == grid.n[0]:
         below = x[-1:]  # the last row has no next one
     beside = x[:, -1:] if free[1] else x[:, :1]
-    sums = [np.vdot(x, x)]
+    sums = [np.sum(x), np.vdot(x, x)]
     differences = np.empty(x.shape)
     for lines, next_line, difference in ((x, below, differences), (x.T, beside.T, differences.T)):
         np.subtract(lines[1:], lines[:-1], out=difference[:-1])
         np.subtract(next_line, lines[-1:], out=difference[-1:])
         differences *= differences
         sums.append(np.sum(differences))
-    s0, s_x, s_y = grid.comm.sum(sums)
+    total, s0, s_x, s_y = grid.comm.sum(sums)
+    variance = max(s0 / grid.N - (total / grid.N) ** 2, 0.0)
     steps = [max(n - ends, 1) for n, ends in zip(grid.n, free)]
     a_x, a_y = (s / grid.a for s in grid.spacings)
-    return float(np.sqrt(s0 / grid.N)), float(
+    return float(np.sqrt(variance)), float(
         np.sqrt(s_x / (steps[0] * grid.n[1]) / a_x**2 + s_y / (grid.n[0] * steps[1]) / a_y**2)
     )
 
