@@ -161,7 +161,7 @@ def _common_axes(scans: tuple[Any, Any], spec: Any) -> tuple[tuple[Axis, Axis], 
     """Return the common grid on both scans, for x and for y, or raise SceneError."""
     repeats: tuple[bool, ...] = (bool(scans[0].periodic and scans[1].periodic),) * 2
     if spec.boundary is not None:
-        repeats = tuple(not ends for ends in spec.free)
+        repeats = tuple(not (free or mirror) for free, mirror in zip(spec.free, spec.mirrored))
     return tuple(_common_axis(scans, axis, repeats[axis]) for axis in (0, 1))
 
 
