@@ -214,10 +214,11 @@ def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
     lines += [f"{p:.9E}, {o:.9E}" for p, o in zip(pressure, closure, strict=True)]
     if conductivity is not None:
         system = system_of(law.units["gap_at_touch"], law.units["pressure"])
-        if system:  # from W/(m K) to its units
-            conductivity /= factor(system.pressure, "pressure") * factor(system.length) ** 2
+        unit = 1.0  # of conductivities in this system, in W/(m K)
+        if system:
+            unit = factor(system.pressure, "pressure") * factor(system.length) ** 2
         conductance = interpolate(law.pressure, law.values["conductance"], pressure[1:])
-        rows = zip(conductivity * conductance, pressure[1:], strict=True)
+        rows = zip(conductivity / unit * conductance, pressure[1:], strict=True)
         lines += ["*GAP CONDUCTANCE, PRESSURE", f"{0:.9E}, {0:.9E}, 0."]
         lines += [f"{h:.9E}, {p:.9E}, 0." for h, p in rows if np.isfinite(h)]
     return _heading(law, "**", conductivity) + "\n".join(lines) + "\n"

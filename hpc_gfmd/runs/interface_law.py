@@ -16,7 +16,7 @@ from ..contact import all_numbers, all_observables
 from ..output.interface_law import LOAD_AT, QUANTITIES, InterfaceLaw, interpolate
 from ..output.numbers import unit_of
 from ..util.errors import SceneError
-from ..util.quantities import Quantity, parse
+from ..util.quantities import Quantity, finite_number, parse
 from .law_sampler import Sampler, Steps
 
 # Beginnings of the names of numbers that are no smooth functions of the load: they depend on single
@@ -95,7 +95,7 @@ def interface_law(
             f"start, stop: found {start} and {stop}, allowed: start below stop, both with units or"
             " both plain"
         )
-    if not 1e-4 <= error <= 0.5:
+    if not 1e-4 <= finite_number(error) <= 0.5:
         raise SceneError(f"error: found {error!r}, allowed: a number from 1e-4 to 0.5")
     names = [quantities] if isinstance(quantities, str) else list(quantities)
     unknown = sorted(set(names) - set(all_observables()))
@@ -191,6 +191,7 @@ class _Curves:
         attributes; remarks: lines on the surfaces.
         """
         pressures = sorted(self.steps)
+        pressure_unit = surface.get("pressure_unit", "")
         about = [*remarks]
         names = []
         for name in self.quantities:
@@ -200,7 +201,8 @@ class _Curves:
                 about.append(f"{name}: has no value on this body or surface")
         for p in pressures:
             status = {step["status"] for step in self.steps[p]} - {"converged"}
-            about += [f"{LOAD_AT}{p:g} is {name}" for name in sorted(status)]
+            load = f"{LOAD_AT}{p:g} {pressure_unit}".rstrip()
+            about += [f"{load} is {name}" for name in sorted(status)]
         values = {name: self.curve(name)[1] for name in names}
         return InterfaceLaw(
             np.array(pressures),
@@ -209,7 +211,7 @@ class _Curves:
             {name: np.array([_scatter(name, self.steps[p]) for p in pressures]) for name in names},
             gap_at_touch,
             {
-                "pressure": surface.get("pressure_unit", ""),
+                "pressure": pressure_unit,
                 "gap_at_touch": surface.get("unit", ""),
                 **{name: unit_of(name, surface, all_numbers()) for name in names},
             },

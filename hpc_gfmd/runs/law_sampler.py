@@ -15,6 +15,7 @@ from ..output.summary import surface_line
 from ..parallel.guard import on_rank_0
 from ..parallel.world import comm_of
 from ..scene import Scene, load_scene
+from ..scene.settings import HOW
 from ..util.errors import SceneError
 from .in_memory import Surfaces, is_scene, kernels_ready, scene_and_surface, surfaces_of_scene
 from .loads import Run, check, with_loads
@@ -92,6 +93,12 @@ class Sampler:
 
     def _heights(self, heights: Any, keys: Mapping[str, Any]) -> tuple[Scene, Surfaces]:
         """Return a scene of heights in memory, and what makes their surface."""
+        for key in HOW:
+            if key in keys:
+                raise SceneError(
+                    f"{key}: found in a law, whose loads do not follow from each other, allowed: a"
+                    " law without it"
+                )
         accuracy = {"accuracy": self.accuracy} if "residual" not in keys else {}
         arguments = {"pressure": self.pressure} | accuracy | dict(keys)
         scene, surfaces = scene_and_surface(self.comm, heights, arguments)

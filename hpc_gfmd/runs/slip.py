@@ -12,12 +12,13 @@ sticks. Contact that is new gets s = dT/dP, at most mu; contact that opens takes
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from math import isfinite
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..util.errors import SceneError
-from ..util.quantities import SI, parse
+from ..util.quantities import SI, finite_number, parse
 
 if TYPE_CHECKING:
     from .solution import Solution
@@ -123,7 +124,8 @@ class SlipPath:
         ----------
         solutions : Solutions
             What `hpc_gfmd.solve` or `hpc_gfmd.run` return for `loads`, in this order, as mean
-            pressures or forces. Fields are needed for `PartialSlip.traction` only.
+            pressures or forces. The pressure is needed for `PartialSlip.traction` only, the heights
+            only where all of a contact without an approach slips.
 
         Returns
         -------
@@ -154,7 +156,7 @@ class SlipPath:
 
 
 class PartialSlip:
-    """A contact that slips partially, at each step of a path; made by `SlipPath.of`.
+    """A contact that slips partially, at each step of a path; made by `SlipPath.of`. Collective.
 
     Attributes
     ----------
@@ -185,7 +187,14 @@ class PartialSlip:
         if place >= 0:
             return float(self._compressions[place])
         lightest = self._solutions[0]
-        return 0.0 if lightest.value("approach") is not None else float(lightest.heights.mean())
+        return 0.0 if lightest.value("approach") is not None else self._mean_height(lightest)
+
+    @staticmethod
+    def _mean_height(solution: Solution) -> float:
+        """Return the mean of the heights of all ranks, measured from the highest."""
+        total = solution.comm.sum([float(solution.heights.sum(dtype=float))])[0]
+        n_x, n_y = solution.result.surface["n"]
+        return float(total) / (n_x * n_y)
 
     def _shift(self, state: SlipState) -> float:
         return self.path.ratio * sum(
@@ -301,12 +310,14 @@ def slip(
     >>> result = path.of(hpc_gfmd.solve(wall, path.loads))
     >>> result.shift, result.slip_area, result.traction(1)
     """
-    if not friction > 0:
-        raise SceneError(f"friction: found {friction:g}, allowed: greater than 0")
-    if not -1 < nu <= 0.5:
-        raise SceneError(f"nu: found {nu:g}, allowed: above -1 up to 0.5")
+    if not finite_number(friction) > 0:
+        raise SceneError(f"friction: found {friction!s}, allowed: a number greater than 0")
+    if not -1 < finite_number(nu) <= 0.5:
+        raise SceneError(f"nu: found {nu!s}, allowed: a number above -1 up to 0.5")
     steps = np.atleast_1d(np.asarray(tangential, dtype=object)).tolist()
     normals = np.atleast_1d(np.asarray(normal, dtype=object)).tolist()
+    if not steps:
+        raise SceneError("tangential: found no loads, allowed: at least one")
     normals = normals * len(steps) if len(normals) == 1 else normals
     if len(normals) != len(steps):
         raise SceneError(
@@ -329,16 +340,19 @@ def slip(
                 f"tangential: found {of_tangential:g}, which slides, allowed: up to"
                 f" {friction * of_normal:g}"
             )
-    return SlipPath(friction, np.array(P), np.array(T), nu, units.pop())
+    return SlipPath(float(friction), np.array(P), np.array(T), float(nu), units.pop())
 
 
-def _load(name: str, value: Number) -> tuple[float, str]:
+def _load(name: str, value: Any) -> tuple[float, str]:
     """Return a load in SI units and its unit; "" for a plain number."""
-    if not isinstance(value, str):
-        return float(value), ""
+    number = finite_number(value)
+    if isfinite(number):
+        return number, ""
     for dimension in ("pressure", "force"):
         try:
-            return float(parse(value, dimension)), SI[dimension]
+            number = float(parse(str(value), dimension))
         except ValueError:
             continue
+        if isfinite(number):
+            return number, SI[dimension]
     raise SceneError(f"{name}: found {value!r}, allowed: a number, a pressure or a force")

@@ -69,15 +69,16 @@ def spectrum_of(
     if hasattr(surface, "power_spectrum"):
         return _of_container(surface, per_decade, reliable, window)
     topography, unit = _topography(surface, keys)
-    if not topography.is_periodic:
-        topography = topography.detrend(detrend)
-    function = (
-        topography.power_spectrum_from_area
-        if of == "area"
-        else topography.power_spectrum_from_profile
-    )
-    keys = {"window": window, "reliable": reliable, "nb_points_per_decade": per_decade}
-    spectrum = _spectrum(partial(function, **keys), unit)
+
+    def bins() -> Any:
+        level = topography if topography.is_periodic else topography.detrend(detrend)
+        if of == "area":
+            function = level.power_spectrum_from_area
+        else:
+            function = level.power_spectrum_from_profile
+        return function(window=window, reliable=reliable, nb_points_per_decade=per_decade)
+
+    spectrum = _spectrum(bins, unit)
     return _of_surface(spectrum) if of == "profiles" else spectrum
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..util.atomic import atomic_write
 from ..util.errors import SceneError
-from ..util.quantities import factor, prefixed
+from ..util.quantities import factor, finite_number, prefixed
 from .statistics import Roughness
 
 NO_UNIT = "length"  # in place of a unit in the head of a table
@@ -127,15 +127,18 @@ class Spectrum:
         Raises
         ------
         SceneError
-            If it reaches these waves already.
+            If it reaches these waves already, and for numbers out of range.
         """
         end = float(self.q[-1])
-        q_new = 2 * np.pi / shortest
-        if not q_new > end:
+        longest = 2 * np.pi / end
+        if not 0 < finite_number(shortest) < longest:
             raise SceneError(
-                f"shortest: found {shortest:.6g}, allowed: below {2 * np.pi / end:.6g}, where the"
+                f"shortest: found {shortest!s}, allowed: a number below {longest:.6g}, where the"
                 " spectrum ends"
             )
+        if not finite_number(over) > 1:
+            raise SceneError(f"over: found {over!s}, allowed: a number greater than 1")
+        q_new = 2 * np.pi / shortest
         q = np.geomspace(max(end / over, self.q[0]), end, 33)
         slope, level = np.polyfit(np.log(q / end), np.log(self.at(q)), 1)
         ends = np.exp(level + slope * np.log([1.0, q_new / end]))

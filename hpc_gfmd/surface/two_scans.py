@@ -179,6 +179,8 @@ def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis
     spacings = [_spacings(scan)[axis] for scan in scans]
     origins = [scan.origin[axis] for scan in scans]
     wraps = repeats and abs(sizes[0] / sizes[1] - 1) <= ALIKE
+    if wraps:
+        origins = [origin % size for origin, size in zip(origins, sizes)]
     fine = int(spacings[1] < (1 - ALIKE) * spacings[0])
     coarse = 1 - fine
     if wraps:

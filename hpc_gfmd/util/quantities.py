@@ -4,7 +4,7 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
-from math import floor, isfinite, log10
+from math import floor, isfinite, log10, nan
 from typing import Any
 
 from .errors import one_line
@@ -49,6 +49,15 @@ def parse(text: str, dimension: str) -> Quantity:
     quantity = Quantity(float(parts[1]) * factor(parts[2], dimension))
     quantity.text = text
     return quantity
+
+
+def finite_number(value: Any) -> float:
+    """Return a finite number as a float, nan for anything else, such as a text."""
+    try:
+        number = nan if isinstance(value, str) else float(value)
+    except (TypeError, ValueError):
+        return nan
+    return number if isfinite(number) else nan
 
 
 def format_quantity(value: float, like: float | None = None) -> str:

@@ -160,6 +160,20 @@ def test_height_map_is_read_slab_by_slab(comm, monkeypatch):
     assert max(stop - start for start, stop in rows_read) <= 66  # with neighbours
 
 
+def test_a_contact_that_slips_as_a_whole(comm):
+    """Its shift is that of all since the first touch, with the heights of all ranks."""
+    z = np.add.outer(np.linspace(0, 0.3, 16), random_heights((16, 12), seed=3)[0])
+    path = hpc_gfmd.slip(0.5, 0.1, [0.02, 0.05])
+    keys = {"boundary": "periodic", "accuracy": 1e-6}
+    of_ranks = path.of(hpc_gfmd.solve(z, path.loads, comm=comm.mpi, **keys))
+    solutions = hpc_gfmd.solve(z, path.loads, **keys)
+    alone = path.of(solutions)
+    assert of_ranks.shift == pytest.approx(alone.shift, rel=1e-5)
+    assert of_ranks.slip_area == pytest.approx(alone.slip_area)
+    fallen = (z.max() - z).mean() - solutions[-1].gap_mean
+    assert of_ranks.shift[-1] == pytest.approx(0.5 * fallen, rel=1e-5)
+
+
 @pytest.mark.parametrize("side", [7, 17])
 def test_uncertain_points_of_slabs(comm, side):
     """The same points are uncertain whatever the slabs."""

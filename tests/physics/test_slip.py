@@ -92,6 +92,8 @@ def test_full_sliding_of_a_periodic_wall():
     assert result.shift[0] == pytest.approx(MU * 1.7 / 1.4 * fallen, rel=1e-6)
     assert result.slip_area[0] == solution.a_r
     assert result.traction(0) == pytest.approx(MU * solution.pressure)
+    with refused("amplitude: found nan"):
+        result.loss(np.nan)
 
 
 REFUSED = [
@@ -100,6 +102,15 @@ REFUSED = [
     ((0.5, [1.0, 2.0], [0.1]), "normal: found 2 loads for 1"),
     ((0.5, "1 MPa", [0.1]), "other units"),
     ((0.5, "1 m", ["1 m"]), "normal: found '1 m'"),
+    (("0.5", 1.0, [0.1]), "friction: found 0.5, allowed: a number"),
+    ((np.inf, 1.0, [0.1]), "friction: found inf"),
+    ((0.5, 1.0, [np.nan]), "tangential: found nan"),
+    ((0.5, np.inf, [0.1]), "normal: found inf"),
+    ((0.5, 1.0, [None]), "tangential: found None"),
+    ((0.5, 1.0, [[0.1]]), r"tangential: found \[0.1\]"),
+    ((0.5, 1.0, []), "tangential: found no loads"),
+    ((0.5, [], [0.1]), "normal: found 0 loads for 1"),
+    ((0.5, 1.0, [0.1], "0.3"), "nu: found 0.3, allowed: a number"),
 ]
 
 

@@ -61,4 +61,15 @@ def test_a_law_with_a_load_that_is_not_converged(scene, cli, tmp_path):
     few = "solver.max_iterations=1"
     completed = cli("law", scene, *wide, "--quantities", "a_r", "--set", few, "-q", "-o", path)
     assert completed.code == 3
-    assert not hpc_gfmd.read_law(path).converged
+    law = hpc_gfmd.read_law(path)
+    assert not law.converged
+    assert "a load at 0.02 is max_iterations" in law.about
+
+
+def test_a_load_that_is_not_converged_is_named_with_its_unit():
+    surface = hpc_gfmd.make_surface(
+        "wave", amplitude="10 nm", n=(32, 32), physical_sizes=("1 um", "1 um")
+    )
+    keys = {"E_star": "1 GPa", "max_iterations": 1, "quantities": ["gap_mean"]}
+    law = hpc_gfmd.interface_law(surface, "1 MPa", "9 MPa", 0.5, **keys)
+    assert "a load at 1e+06 Pa is max_iterations" in law.in_units("mm-N-MPa").about

@@ -149,6 +149,7 @@ def test_units_of_finite_element_programs(tmp_path):
         path = write_law(law.in_units(name), tmp_path / "law.inp", conductivity=100.0)
         head, _, rows = path.read_text().partition("*GAP CONDUCTANCE, PRESSURE\n")
         assert head.splitlines()[1].startswith("** units: ")
+        assert "** conductivity = 100.0 W/(m.K)\n" in head
         last = float(rows.splitlines()[-1].split(",")[0])
         assert last == pytest.approx(100.0 * law.values["conductance"][-1] * per_si)
     with pytest.raises(SceneError, match="units: found 'cgs', allowed: SI"):

@@ -90,6 +90,9 @@ BAD = [
     ({"start": -1.0, "stop": 0.5}, "positive"),
     ({"start": "1 nm", "stop": "1 MPa"}, "pressure"),
     ({"start": 0.1, "stop": 0.5, "error": 0.0}, "error"),
+    ({"start": 0.1, "stop": 0.5, "error": "5%"}, "error: found '5%'"),
+    ({"start": 0.1, "stop": 0.5, "hardness": 9.0, "history": True}, "history: found in a law"),
+    ({"start": 0.1, "stop": 0.5, "branch": "retraction"}, "branch: found in a law"),
     ({"start": 0.1, "stop": 0.5, "quantities": ["area"]}, "area"),
     ({"start": 0.1, "stop": 0.5, "realisations": 2}, "realisations"),
 ]

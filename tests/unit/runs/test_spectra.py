@@ -71,6 +71,8 @@ def test_what_the_library_refuses_is_an_error_of_the_user_and_a_mistake_is_not(w
     for wrong in ({"per_decade": "a"}, {"window": "none such"}):
         with pytest.raises(SceneError, match=r"^spectrum_of: "):
             hpc_gfmd.spectrum_of(wall, **wrong)
+    with pytest.raises(SceneError, match=r"^spectrum_of: .*none such"):
+        hpc_gfmd.spectrum_of(wall.heights, physical_sizes=wall.sizes, detrend="none such")
     container = SimpleNamespace(power_spectrum=lambda unit: None)  # is called with more
     with pytest.raises(TypeError, match="unexpected keyword"):
         hpc_gfmd.spectrum_of(container)
@@ -84,5 +86,11 @@ def test_extension_to_finer_waves_by_its_own_exponent():
     assert extended.at([500.0]) == pytest.approx(whole.at([500.0]), rel=1e-9)
     share = 1 - (spectrum.roughness().g_rms / whole.roughness().g_rms) ** 2
     assert f"H = 0.8: {100 * share:.0f} % of g_rms^2" in extended.notes[-1]
-    with pytest.raises(SceneError, match="shortest: found 1, allowed: below"):
+    with pytest.raises(SceneError, match=r"shortest: found 1\.0, allowed: a number below"):
         spectrum.extended(1.0)
+    for wrong in (0, -0.01, "1 nm", np.nan):
+        with pytest.raises(SceneError, match=rf"shortest: found {wrong}, allowed: a number below"):
+            spectrum.extended(wrong)
+    for wrong in (0, 1.0, "3", np.inf):
+        with pytest.raises(SceneError, match=rf"over: found {wrong}, allowed: a number greater"):
+            spectrum.extended(0.01, wrong)

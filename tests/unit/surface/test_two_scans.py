@@ -75,6 +75,9 @@ def test_periodic_scans():
     assert np.allclose(surface.heights, first + expected, rtol=0, atol=1e-13)
     assert surface.free == (False, False)
     assert surface.sizes == (1.0, 1.0)
+    far = hpc_gfmd.combine_surfaces(*scans, shift=(2.0**60 - 256.0, -(2.0**40) + 0.25))
+    near = hpc_gfmd.combine_surfaces(*scans, shift=(0.0, 0.25))
+    assert np.array_equal(far.heights, near.heights)
 
 
 @pytest.mark.parametrize(
