@@ -53,17 +53,27 @@ def gap_of_modes(
     roughness = roughness_of_columns(grid, fft, adder(fft, 0.0, 1.0))
     dtype = precision(roughness)
     g_rms = roughness.g_rms
-    check(grid.comm)
-    tops = fft.backward_rows(lambda i0, i1, x: x[: i1 - i0].max())
-    top = fft.dtype.type(grid.comm.max([max(tops, default=-np.inf)])[0])
     h = grid.empty(dtype)
+    keeps = fft.dtype == dtype  # the heights lie in h until their largest is known
 
-    def use(i0: int, i1: int, x: np.ndarray) -> None:
+    def keep(i0: int, i1: int, x: np.ndarray) -> Any:
         rows = x[: i1 - i0]
+        if keeps:
+            h[i0:i1] = rows
+        return rows.max()
+
+    check(grid.comm)
+    tops = fft.backward_rows(keep)
+    top = fft.dtype.type(grid.comm.max([max(tops, default=-np.inf)])[0])
+
+    def use(i0: int, i1: int, rows: np.ndarray) -> None:
         np.subtract(top, rows, out=rows)
         np.multiply(rows, fft.dtype.type(1.0 / g_rms), out=h[i0:i1], casting="same_kind")
 
     check(grid.comm)
-    fft.backward_rows(use)
+    if keeps:
+        grid.by_rows(lambda i0, i1: use(i0, i1, h[i0:i1]))
+    else:
+        fft.backward_rows(lambda i0, i1, x: use(i0, i1, x[: i1 - i0]))
     check(grid.comm)
     return h, roughness, lambda fft: adder(fft, 1.0, grid.N / g_rms, -float(top))

@@ -30,7 +30,9 @@ BOUND = 1e-12  # relative distance to the hardness at which a point yields
 PATIENCE = 4  # rounds in which the number of wrong points may fail to decrease
 EPS = 2e-14  # relative rounding errors of transforms, with a margin
 ABOVE_LOADS = 1.1  # smallest hardness over the largest load
-DOUBTFUL = 1e-10  # violation of its own conditions above which a truth is rejected
+# Violation of its own conditions above which a truth is rejected: 2 % of the smallest accuracy that
+# is judged. Rounding errors of K h alone make 1e-8 at p* = 1e-7.
+DOUBTFUL = 2e-8
 FEW = 30  # number of wrong points up to which they may change one at a time
 MURTY = 60  # rounds in which they do
 ROUNDS = 250  # linear problems

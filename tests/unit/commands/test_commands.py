@@ -60,6 +60,21 @@ def test_run(solved):
             assert np.mean(pressure > 0) == pytest.approx(step.attrs["a_r"])
 
 
+def test_run_with_plot_saves_the_pictures_of_plot(solved, tmp_path):
+    folder, _ = solved
+    (tmp_path / "scene.toml").write_text(SCENE)
+    run = call("run scene.toml -o out.h5 --plot", cwd=tmp_path)
+    assert run.code == 0, run.err
+    plot = call(f"plot {folder / 'out.h5'} -o pictures", cwd=tmp_path)
+    assert plot.code == 0, plot.err
+    saved, drawn = (
+        {path.name: path.stat().st_size for path in (tmp_path / name).iterdir()}
+        for name in ("out_plots", "pictures")
+    )
+    assert saved.keys() == drawn.keys() != set()
+    assert min(saved.values()) > 0
+
+
 def test_show(cli, solved):
     path = solved[0] / "out.h5"
     assert "converged" in cli.prints("show", path)
