@@ -32,7 +32,7 @@ class InterfaceLaw:
         has no value (the stiffness in full contact).
     errors : dict of str to ndarray, shape (k,)
         Estimated relative errors of `values`: that of the solver, plus that of the grid where it is
-        estimated (a_r), plus that of interpolation in the intervals beside the pressure.
+        estimated (as in tables), plus that of interpolation in the intervals beside the pressure.
     scatter : dict of str to ndarray, shape (k,)
         Standard deviations over the surfaces, in the units of `values`; 0 for a single surface.
     gap_at_touch : float

@@ -15,6 +15,7 @@ import numpy as np
 from ..contact import all_numbers, all_observables
 from ..output.interface_law import LOAD_AT, QUANTITIES, InterfaceLaw, interpolate
 from ..output.numbers import unit_of
+from ..output.summary import error_bars
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, finite_number, parse
 from .law_sampler import Sampler, Steps
@@ -22,6 +23,7 @@ from .law_sampler import Sampler, Steps
 # Beginnings of the names of numbers that are no smooth functions of the load: they depend on single
 # points, or count patches.
 UNEVEN = ("contact_pressure_max", "patch", "contact_percolates", "gap_percolates", "gap_spans")
+OF_GRID = ("a_r_discretisation", "gap_discretisation", "a_r_corrected")  # tell errors by the grid
 Sample = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
 
 
@@ -254,23 +256,21 @@ def _estimated_error(name: str, steps: Steps, of_grid: bool = True) -> float:
 
 
 def _relative_error(name: str, step: Mapping[str, Any], of_grid: bool) -> float:
-    """Return the relative error of a number by solver and grid. A stiffness scales with the radii
-    of the spots: half the error of a_r; a critical gap has the absolute error of the mean gap.
+    """Return the relative error of a number by solver and grid: that of a table, or the solver's
+    alone. A stiffness scales with the radii of the spots: half the error of a_r; a critical gap has
+    the absolute error of the mean gap.
     """
-    of_the_grid = float(step.get("a_r_discretisation") or 0.0) if of_grid else 0.0
-    of_the_gap = float(step["gap_error"])
-    if of_grid:
-        of_the_gap += float(step.get("gap_discretisation") or 0.0)
-    if name == "a_r":
-        return float(step["a_r_error"]) + of_the_grid
+    if not of_grid:
+        step = {key: value for key, value in step.items() if key not in OF_GRID}
+    of_solver = float(max(step["gap_error"], step["pressure_error"]))
     if name in ("stiffness", "conductance"):
-        return float(max(step["gap_error"], step["pressure_error"])) + 0.5 * of_the_grid
+        return of_solver + 0.5 * float(step.get("a_r_discretisation") or 0.0)
     if name.startswith("critical_gap"):
         value = step.get(name)
+        of_the_gap = float(step["gap_error"]) + float(step.get("gap_discretisation") or 0.0)
         return of_the_gap * float(step["gap_mean"] / value) if value else 0.0
-    if name.startswith("gap"):
-        return of_the_gap
-    return float(max(step["gap_error"], step["pressure_error"]))
+    bars = error_bars(name, dict(step))
+    return of_solver if bars is None else float(max(bars))
 
 
 def _positive_pressure(value: float | str, where: str) -> float:

@@ -5,6 +5,7 @@ import pytest
 from contacts import rough_wall, scene_text
 
 import hpc_gfmd
+from hpc_gfmd.output.summary import error_bars
 from hpc_gfmd.runs import in_memory
 from hpc_gfmd.runs.interface_law import _Curves, interface_law
 from hpc_gfmd.scene import Scene
@@ -123,6 +124,18 @@ def test_errors_are_those_of_the_finest_intervals():
     after = np.clip(np.searchsorted(pressures, at), 1, len(pressures) - 1)
     claimed = np.maximum(errors[after], errors[after - 1])
     assert (missed <= 1.5 * claimed + 1e-12).all()
+
+
+def test_errors_of_numbers_that_follow_from_the_area_are_those_of_tables():
+    """p/a_r is as uncertain as a_r, on the other side."""
+    names = ["a_r", "a_r_corrected", "contact_area", "kappa", "contact_pressure_mean", "gap_mean"]
+    law = interface_law(wall(), 0.02, 0.2, 0.3, quantities=names)
+    for p in law.pressure[[0, -1]]:
+        solution = hpc_gfmd.solve(wall(), p, accuracy=0.03)
+        for name in names:
+            of_table = max(error_bars(name, solution.steps[0]))
+            assert of_table > 1e-3, name
+            assert law.errors[name][law.pressure == p] >= 0.9 * of_table, name
 
 
 def test_quarters_of_a_periodic_wall_have_the_law_of_the_whole():
