@@ -67,6 +67,7 @@ def test_a_law_with_a_load_that_is_not_converged(scene, cli, tmp_path):
 
 
 def test_a_load_that_is_not_converged_is_named_with_its_unit():
+    """The law itself may be in other units than the load that is named."""
     surface = hpc_gfmd.make_surface(
         "wave", amplitude="10 nm", n=(32, 32), physical_sizes=("1 um", "1 um")
     )

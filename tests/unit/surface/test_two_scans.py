@@ -98,21 +98,21 @@ def test_shift(i, j):
 @pytest.mark.parametrize("boundary", ["mirror", ["free", "mirror"], ["mirror", "periodic"]])
 def test_scans_of_pieces_are_added_where_they_overlap(boundary, tmp_path):
     """A piece of a larger surface does not go on with its other end: only the sum is mirrored."""
-    first, second = two_random_maps((12, 10), (12, 10))
-    np.save("first.npy", first)
-    np.save("second.npy", second)
+    lower, upper = two_random_maps((12, 10), (12, 10))
+    np.save("lower.npy", lower)
+    np.save("upper.npy", upper)
     surface = hpc_gfmd.combine_surfaces(
-        "first.npy",
-        "second.npy",
+        "lower.npy",
+        "upper.npy",
         shift=(3, 2),
         physical_sizes=(12, 10),
         boundary=boundary,
         **NOT_MIRRORED,
     )
     if "periodic" in boundary:
-        total = first[3:] + np.roll(second, 2, axis=1)[:-3]
+        total = lower[3:] + np.roll(upper, 2, axis=1)[:-3]
     else:
-        total = first[3:, 2:] + second[:-3, :-2]
+        total = lower[3:, 2:] + upper[:-3, :-2]
     assert np.array_equal(surface.heights[: total.shape[0], : total.shape[1]], total)
     sides = [boundary] * 2 if isinstance(boundary, str) else boundary
     mirrored = [n * (1 + (side == "mirror")) for n, side in zip(total.shape, sides)]
