@@ -15,8 +15,6 @@ from .target import ROUNDING, Target
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
-    from ..contact.contact import Contact
-    from ..operators.problem import Problem
     from ..parallel.grid import Grid
     from ..solvers.base import Progress, Solver
 
@@ -131,15 +129,3 @@ class Closing(Target):
         state.grid.by_rows(press)
         solver.restart()
         return True
-
-
-def needs_double(contact: Contact, target: Target, problem: Problem) -> bool:
-    """Return whether a contact needs double precision: it stagnated, is not finite, has a mean gap
-    or (if closed) a tension below rounding errors. Collective.
-    """
-    if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
-        return True
-    if target.closes or contact.contact_points < contact.N:
-        return False
-    tension, _ = tension_of(contact.grid, contact.p)
-    return tension > -ROUNDING * problem.rounding

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .memory import OF_LATER, InheritedError, Memory
+from .precision import DOUBLE
 from .sweep import Sweep
 from .without_iterations import unloaded_contact
-from .working_surface import DOUBLE
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact

@@ -66,10 +66,6 @@ class LowMemorySurface(WorkingSurface):
         """Make coarser grids, whose transforms are freed when the caller drops them. Collective."""
         return Nested(self.surface.grid, self.dtype)
 
-    def rounding_counts(self, problem: Problem) -> bool:
-        """Return whether transforms are too noisy; never for bodies whose K takes a table."""
-        return not self.model.body.table_share and self.is_noisy(problem)
-
 
 def _give_back() -> None:
     """Return free memory of the C library (glibc) to the system: 60 to 100 MB at n = 4096."""

@@ -1,30 +1,37 @@
-"""When single precision suffices, and when the certificate must be in double precision.
+"""Whether a load needs double precision, and whether its certificate does.
 
 Rounding errors of the heights, of the transforms, and of points that single precision cannot tell
-apart are compared with the accuracy asked for. Before anything is solved `precisions` forecasts
-the precision of each load; `plan` and the forecast of memory use it.
+apart are compared with the accuracy asked for. With precision = "auto" a sweep begins with
+`first_precision`, and goes on in double for good once a load `needs_double`.
 """
 
 from __future__ import annotations
 
 import math
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import DTypeLike
 
-from ..operators.problem import ROUNDING
-from ..parallel.comm import SerialComm
-from ..surface import build_surface
+from ..bodies.halfspace import HALF_SPACE
+from ..operators.problem import ROUNDING as ROUNDING_OF_HEIGHTS
+from ..surface import ByHeights
 from ..surface.number_range import single_solves
-from .memory import OF_LATER
+from .full_contact import tension_of
+from .target import ROUNDING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..scene import LoadTable, Scene, SolverTable
+    from ..contact.contact import Contact
+    from ..operators.problem import Problem
+    from ..scene import LoadTable, SolverTable
+    from ..surface import Precision, Surface
+    from .contact_model import ContactModel
+    from .target import Target
+    from .working_surface import WorkingSurface
 
-COARSE = 512  # points along an axis of the coarse surface that `known_heights` makes, at most
+DOUBLE = np.dtype(np.float64)
 # Limits of single precision, measured on the true errors of the campaign. They cost or save time
 # only: a load that single precision cannot solve stagnates and is solved again in double precision.
 FINEST = 2e-4  # accuracy that is tried in single; below it indistinguishable heights spoil the area
@@ -34,8 +41,11 @@ FEW_POINTS = 6  # number of points that single precision may put into the wrong 
 NOISE = 0.2
 
 
-def first_precision(settings: SolverTable, share: float = 1.0) -> np.dtype:
-    """Return the precision of a sweep's first load, for a share of the accuracy; "auto": single
+# -- of a load
+
+
+def initial_dtype(settings: SolverTable, share: float = 1.0) -> np.dtype:
+    """Return the precision that settings try first, for a share of the accuracy; "auto": single
     from an accuracy of 2e-4 on.
     """
     if settings.precision != "auto":
@@ -44,25 +54,66 @@ def first_precision(settings: SolverTable, share: float = 1.0) -> np.dtype:
     return np.dtype(np.float32 if loose else np.float64)
 
 
-def first_of_scene(scene: Scene) -> np.dtype:
-    """Return the precision of a scene's first load, which leaves its errors to later ones where
-    loads change the wall.
+def first_precision(
+    settings: SolverTable, model: ContactModel, table: LoadTable | None
+) -> Precision:
+    """Return the precision of the first surface of a sweep; if single is tried, by the first load
+    of the table and the heights, which are then not made twice.
     """
-    leaves_errors = scene.remembers and len(scene.load.prescribed[1]) > 1
-    return first_precision(scene.solver, OF_LATER if leaves_errors else 1.0)
+    dtype = initial_dtype(settings)
+    stays = settings.precision != "auto" or settings.low_memory
+    if table is None or stays or dtype == DOUBLE:
+        return dtype
+
+    def by_heights(surface: Surface) -> np.dtype:
+        p_star, *_ = p_stars_of(table, model.E_star, surface.g_rms, surface.sizes)
+        if is_unloaded(p_star, model.attraction) or surface.g_rms == 0:
+            return dtype
+        hardness = (model.hardness or inf) / (model.E_star * surface.slope)
+        return DOUBLE if _single_fails_on(surface, settings, p_star, hardness) else dtype
+
+    return ByHeights(by_heights)
 
 
-def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
-    """Return whether too few points touch at p_star for the area in single precision, which may
-    misplace a few; True if p_star <= 0, False without an accuracy.
+def needs_double(
+    working: WorkingSurface,
+    target: Target,
+    gap: np.ndarray | None = None,
+    solved: tuple[Contact, Problem] | None = None,
+) -> bool:
+    """Return whether a load has to go on in double precision, by what is known of it so far: its
+    target, the gap to start from, its contact in single with its problem. Collective.
     """
-    if p_star <= 0:
+    if working.settings.precision != "auto" or working.dtype == DOUBLE:
+        return False
+    if target.needs_double or (gap is not None and gap.dtype == DOUBLE):
         return True
-    expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
-    return accuracy is not None and FEW_POINTS / expected > accuracy
+    if solved is not None and _is_spoilt(*solved, target):
+        return True
+    return _single_fails_on(working.surface, working.settings, target.half_area, working.hardness)
 
 
-def too_coarse(
+def _is_spoilt(contact: Contact, problem: Problem, target: Target) -> bool:
+    """Return whether rounding errors spoil a contact: it stagnated, is not finite, has a mean gap
+    or (if closed) a tension below them. Collective.
+    """
+    if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
+        return True
+    if target.closes or contact.contact_points < contact.N:
+        return False
+    tension, _ = tension_of(contact.grid, contact.p)
+    return tension > -ROUNDING * problem.rounding
+
+
+def _single_fails_on(
+    surface: Surface, settings: SolverTable, p_star: float | None, hardness: float
+) -> bool:
+    """Return `single_fails` for a load on a surface."""
+    h_rms = surface.h_rms / surface.height_unit
+    return single_fails(settings, surface.grid.N, p_star, h_rms, hardness)
+
+
+def single_fails(
     settings: SolverTable, N: int, p_star: float | None, h_rms: float, hardness: float
 ) -> bool:
     """Return whether single precision certainly does not suffice for a load: by p_star, if it is
@@ -78,56 +129,24 @@ def too_coarse(
     return few_points(N, p_star, accuracy) or not single_solves(p_star, N)
 
 
+def is_unloaded(p_star: float | None, attraction: object | None) -> bool:
+    """Return whether there is nothing to solve at a load: no pressure and no attraction."""
+    return p_star == 0 and attraction is None
+
+
+def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
+    """Return whether too few points touch at p_star for the area in single precision, which may
+    misplace a few; True if p_star <= 0, False without an accuracy.
+    """
+    if p_star <= 0:
+        return True
+    expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
+    return accuracy is not None and FEW_POINTS / expected > accuracy
+
+
 def rounding_in_single(h_rms: float) -> float:
     """Return the rms pressure error, over E* g_rms, of heights in single; h_rms: over g_rms a."""
-    return ROUNDING * float(np.finfo(np.float32).eps) * h_rms
-
-
-def precisions(
-    scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
-) -> list[np.dtype | None]:
-    """Predict the precision of each load without solving: "auto" becomes double, for good, once
-    points are few or rounding large. Unpredictable ones have `unknown`; None: go on as in single.
-    """
-    settings = scene.solver
-    precision = first_of_scene(scene)
-    precisions_of_loads: list[np.dtype | None] = []
-    g_rms, h_rms = known_heights(scene, n)
-    rounding = rounding_in_single(h_rms or np.inf)
-    hardness = np.inf
-    if g_rms and scene.material.hardness:
-        hardness = scene.material.hardness / (scene.material.E_star * g_rms)
-    for p_star in known_p_stars(scene, g_rms):
-        unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
-        if settings.precision == "auto" and precision == np.float32 and not unloaded:
-            if too_coarse(settings, math.prod(n), p_star, h_rms or 0.0, hardness):
-                precision = np.dtype(np.float64)
-            elif p_star is None or rounding > pressure_that_counts(settings, p_star):
-                if unknown is None:
-                    precisions_of_loads.append(None)
-                    continue
-                precision = np.dtype(unknown)
-        precisions_of_loads.append(precision)
-    return precisions_of_loads
-
-
-def least_precision(scene: Scene, N: int) -> np.dtype:
-    """Return the lowest precision in which loads of a scene may run, by its keys alone."""
-    settings = scene.solver
-    if settings.precision == "auto":
-        for p_star in known_p_stars(scene, getattr(scene.surface, "g_rms", None)):
-            unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
-            if p_star is None or unloaded:
-                continue
-            if few_points(N, p_star, settings.accuracy):
-                return np.dtype(np.float64)
-    return first_of_scene(scene)
-
-
-def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
-    """Return p* of each load of a scene, as `p_stars_of`."""
-    sizes = scene.surface.physical_sizes or ()
-    return p_stars_of(scene.load, scene.material.E_star, g_rms, sizes)
+    return ROUNDING_OF_HEIGHTS * float(np.finfo(np.float32).eps) * h_rms
 
 
 def p_stars_of(
@@ -147,24 +166,30 @@ def p_stars_of(
     return [p / unit for p in load.p0(unit, 1.0, math.prod(sizes))]
 
 
-def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
-    """Return rms slope, and rms height over it and the spacing, by keys or a coarse surface; None
-    for maps, spectra, Fourier coefficients and rough balls; h_rms None if flat.
-    """
-    surface = scene.surface
-    if surface.kind == "file" or surface.kind == "spectrum" or surface.kind == "fourier":
-        return None, None
-    if surface.kind == "self-affine" and surface.radius:
-        return None, None
-    if surface.kind != "self-affine":
-        coarse = surface.model_copy(update={"n": tuple(min(k, COARSE) for k in surface.n or ())})
-        made = build_surface(coarse, SerialComm(), np.float64)
-        a = math.sqrt(math.prod(surface.physical_sizes) / math.prod(n))
-        return made.g_rms, made.h_rms / (made.g_rms * a) if made.g_rms else None
-    from ..theory.persson import g_rms_lam_s_over_h_rms  # SciPy takes a third of a second
+# -- of a certificate
 
-    slope = g_rms_lam_s_over_h_rms(surface.hurst, 1 / surface.lam_l_over_lam_s)
-    return surface.g_rms, surface.lam_s_over_a / slope
+
+def certificate_dtype(working: WorkingSurface, problem: Problem) -> np.dtype:
+    """Return the precision of a load's certificate: double if rounding looks like pressure out of
+    contact, where transforms are noisy, few points touch or few are open.
+
+    With low memory only noise counts, and not for bodies whose K takes a table.
+    """
+    if working.saves_memory:
+        spoils = not working.model.body.table_share and _is_noisy(working, problem)
+    elif problem.p0 <= 0:  # only with an attraction: how many touch is unknown
+        spoils = True
+    else:
+        few_touch = few_points(problem.grid.N, problem.p0, working.settings.accuracy)
+        few_are_open = problem.p0 >= HALF_SPACE.full_p_star
+        spoils = few_touch or few_are_open or _is_noisy(working, problem)
+    return DOUBLE if spoils else working.dtype
+
+
+def _is_noisy(working: WorkingSurface, problem: Problem) -> bool:
+    """Return whether transforms' rounding exceeds a share of the allowed pressure error."""
+    noise = problem.noise(working.surface.h_rms / working.surface.height_unit)
+    return noise > NOISE * pressure_that_counts(working.settings, problem.p0)
 
 
 def pressure_that_counts(settings: SolverTable, p_star: float) -> float:

@@ -147,6 +147,7 @@ class Area(Root):
     def _clear(self) -> None:
         super()._clear()
         self.jumps = False
+        self.may_jump = False  # whether single precision cannot tell whether it jumps
         self.undecided = 0.0  # factor by which the pressure must improve to decide on a jump
         self.rounding = 0.0  # largest difference of two pressures that may be rounding
 
@@ -163,7 +164,7 @@ class Area(Root):
     def needs_double(self) -> bool:  # type: ignore[override]
         """Whether rounding hides which points are highest, or what a jump is."""
         finest = self.finest
-        return self.jumps or finest.indistinct > max(self.value * finest.points, finest.highest)
+        return self.may_jump or finest.indistinct > max(self.value * finest.points, finest.highest)
 
     def guess(self, surface: Surface) -> float:
         """An elastic area is about 2 p0; with a hardness f(y) is about x."""
@@ -294,6 +295,7 @@ class Area(Root):
         ends_of_jump = f"from {self.low.value:.4g} to {self.high.value:.4g}"
         self.note = f"a_r jumps {ends_of_jump}: the nearer is taken"
         if solver.problem.dtype != np.float64:
+            self.may_jump = True
             self.note = f"single precision cannot tell whether a_r jumps {ends_of_jump}"
         return 0.0
 

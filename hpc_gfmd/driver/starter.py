@@ -23,8 +23,8 @@ from .box import Box, Rectangle, solved_in
 from .branches import goes_on
 from .drive import certificate_of, drive
 from .nested import Candidate, Nested, cold_gap, roughly_solved, undeformed_gap
+from .precision import certificate_dtype
 from .target import Target
-from .working_surface import DOUBLE
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
@@ -272,7 +272,7 @@ class Starter:
     def _criterion_for(self, solver: Solver) -> StoppingCriterion:
         """Return a load's criterion; its certificate is in double if rounding would spoil it."""
         working = self.working
-        dtype = DOUBLE if working.rounding_counts(solver.problem_now) else working.dtype
+        dtype = certificate_dtype(working, solver.problem_now)
         return replace(
             self.criterion,
             certificate_dtype=dtype.type,

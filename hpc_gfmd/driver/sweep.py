@@ -11,36 +11,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..certificate.criterion import StoppingCriterion
 from ..parallel import interrupt
-from ..surface import ByHeights
 from ..util.errors import SceneError
 from .branches import CYCLE, SaddleGuard, compared
 from .contact_model import ContactModel
 from .drive import drive
-from .full_contact import Closing, Pressure, needs_double
+from .full_contact import Closing, Pressure
 from .grid_errors import grid_errors
 from .held import Held
 from .load import Load, Unfinished
 from .low_memory import LowMemorySurface
-from .precision import first_precision, p_stars_of, too_coarse
+from .precision import DOUBLE, first_precision, needs_double
 from .quantities import NEARLY_CLOSED, ROOTS, Opening, opening_load
 from .scene_loads import loads_of
 from .starter import Starter
 from .target import Target
 from .without_iterations import contact_of, flat_contact, separated_contact
-from .working_surface import DOUBLE, WorkingSurface
+from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact, GridErrors
     from ..scene import LoadTable, SolverTable
     from ..surface import Precision, Surface
-    from .drive import Outcome, Watch
+    from .drive import Watch
     from .grid_errors import CoarseContact
     from .working_surface import MakeSurface
 
@@ -82,30 +80,7 @@ class Sweep:
         self._punch: np.ndarray | None = None  # see _flat_solution
         self.coarser: Sequence[CoarseContact] = ()
         self._of_grid: GridErrors | None = None  # of the last load with a nested start
-        self._work_in(self._first_precision(table))
-
-    def _first_precision(self, table: LoadTable | None) -> Precision:
-        """Return the precision to begin with; that of a light load depends on the slope of the
-        surface, which is then not made twice.
-        """
-        dtype = first_precision(self.settings)
-        stays = self.settings.precision != "auto" or self.settings.low_memory
-        if table is None or stays or dtype == DOUBLE:
-            return dtype
-        model = self.model
-        loads = table
-
-        def by_heights(surface: Surface) -> np.dtype:
-            p_star, *_ = p_stars_of(loads, model.E_star, surface.g_rms, surface.sizes)
-            is_unloaded = p_star == 0 and model.attraction is None
-            if is_unloaded or surface.g_rms == 0:
-                return dtype
-            N = surface.grid.N
-            h_rms = surface.h_rms / surface.height_unit
-            hardness = (model.hardness or inf) / (model.E_star * surface.slope)
-            return DOUBLE if too_coarse(self.settings, N, p_star, h_rms, hardness) else dtype
-
-        return ByHeights(by_heights)
+        self._work_in(first_precision(settings, model, table))
 
     def _work_in(self, precision: Precision, gap: np.ndarray | None = None) -> None:
         """Make the surface and the starter in a precision; gap: where the next load starts.
@@ -285,7 +260,7 @@ class Sweep:
         working = self.working
         target.measure(working)
         begins = gap is None and not self.starter.follows(target)
-        if working.is_too_coarse(target, gap):
+        if needs_double(working, target, gap):
             if begins:
                 self.starter.forget()
             return None, pairs
@@ -297,7 +272,7 @@ class Sweep:
         if unfinished is not None:
             solver.iterations = unfinished.iterations
         pairs += start.pairs
-        if working.is_too_coarse(target):  # as the coarser grids have found
+        if needs_double(working, target):  # as the coarser grids have found
             return None, pairs + solver.pairs
         attracts = self.model.attraction is not None
         guard = SaddleGuard(solver, self.model.branch_of(load)) if attracts else None
@@ -305,18 +280,19 @@ class Sweep:
         pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
             return self._separated(load, target.note, solver.iterations, pairs), pairs
+        # converged at a load that single precision cannot find
+        is_undecided = outcome.status == "converged" and target.needs_double
         contact = contact_of(
             working,
             load.value if load.is_pressure else solver.state.p0 * working.pressure_unit,
             solver.state,
-            self._status_of(outcome, target),
+            "stagnated" if is_undecided else outcome.status,
             outcome.certificate,
             remark=target.note,
             iterations=solver.iterations,
             pairs=pairs,
         )
-        is_enough = working.is_final or not needs_double(contact, target, solver.problem_now)
-        if not is_enough or working.is_too_coarse(target):
+        if needs_double(working, target, solved=(contact, solver.problem_now)):
             if contact.status == "nonfinite":
                 self.starter.forget()
             return None, pairs
@@ -329,12 +305,6 @@ class Sweep:
         if self.coarser:
             self._of_grid = grid_errors(contact, self.coarser)
         return replace(contact, of_grid=self._of_grid)
-
-    def _status_of(self, outcome: Outcome, target: Target) -> str:
-        """Return the outcome's status; "stagnated" if the search needs double precision."""
-        if outcome.status == "converged" and target.needs_double and self.dtype != DOUBLE:
-            return "stagnated"
-        return outcome.status
 
     def _stays_separated(self, load: Load) -> bool:
         """Return whether bodies that have come apart stay so at a mean gap or approach."""

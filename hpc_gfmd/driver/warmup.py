@@ -22,7 +22,7 @@ from ..scene import Material, Scene
 from ..surface import build_surface
 from .contact_model import ContactModel
 from .load import Load
-from .precision import first_of_scene
+from .precision_forecast import first_of_scene
 from .sweep import Sweep
 
 TINY_ATTRACTION = 1e-3, 0.1  # work and range

@@ -1,7 +1,6 @@
 """The surface in one precision, with what its contacts share: transforms and coarser grids.
 
-It converts between the scene's units and the program's, makes the problem at a mean pressure, and
-knows whether this precision is enough for a load.
+It converts between the scene's units and the program's, and makes the problem at a mean pressure.
 """
 
 from __future__ import annotations
@@ -13,12 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..bodies.halfspace import HALF_SPACE
 from ..laws.base import scaled
 from ..operators.problem import Problem
 from .height_statistics import HeightStatistics
 from .nested import Nested
-from .precision import NOISE, few_points, pressure_that_counts, too_coarse
 
 if TYPE_CHECKING:
     from ..laws.base import Law
@@ -26,11 +23,8 @@ if TYPE_CHECKING:
     from ..solvers.base import Solver
     from ..surface import Precision, Surface
     from .contact_model import ContactModel
-    from .target import Target
 
     MakeSurface = Callable[[Any], Surface]  # of a Precision
-
-DOUBLE = np.dtype(np.float64)
 
 
 class WorkingSurface:
@@ -127,35 +121,3 @@ class WorkingSurface:
         if self._nested is None:
             self._nested = Nested(self.surface.grid, self.dtype)
         return self._nested
-
-    # -- whether the precision is enough
-
-    @property
-    def is_final(self) -> bool:
-        """Whether loads stay in this precision whatever they turn out to need."""
-        return self.settings.precision != "auto" or self.dtype == DOUBLE
-
-    def is_too_coarse(self, target: Target, gap: np.ndarray | None = None) -> bool:
-        """Return whether a load, or its starting gap, is known to need double precision."""
-        if self.is_final:
-            return False
-        if target.needs_double or (gap is not None and gap.dtype == DOUBLE):
-            return True
-        h_rms = self.surface.h_rms / self.surface.height_unit
-        N = self.surface.grid.N
-        return too_coarse(self.settings, N, target.half_area, h_rms, self.hardness)
-
-    def rounding_counts(self, problem: Problem) -> bool:
-        """Return whether the certificate must be in double, since rounding looks like pressure out
-        of contact: few points touch (perhaps, at p0 <= 0) or are open, or transforms are noisy.
-        """
-        if problem.p0 <= 0:  # only with an attraction: how many touch is unknown
-            return True
-        few_touch = few_points(problem.grid.N, problem.p0, self.settings.accuracy)
-        few_are_open = problem.p0 >= HALF_SPACE.full_p_star
-        return few_touch or few_are_open or self.is_noisy(problem)
-
-    def is_noisy(self, problem: Problem) -> bool:
-        """Return whether transforms' rounding exceeds a share of the allowed pressure error."""
-        noise = problem.noise(self.surface.h_rms / self.surface.height_unit)
-        return noise > NOISE * pressure_that_counts(self.settings, problem.p0)

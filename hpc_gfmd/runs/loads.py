@@ -27,9 +27,9 @@ from ..driver.branches import APPROACH
 from ..driver.contact_model import ContactModel
 from ..driver.history import History
 from ..driver.load import Load, Unfinished
-from ..driver.precision import first_of_scene
+from ..driver.precision import DOUBLE
+from ..driver.precision_forecast import first_of_scene
 from ..driver.sweep import Sweep
-from ..driver.working_surface import DOUBLE
 from ..laws import attraction_of, law_names
 from ..parallel import interrupt
 from ..scene import File, LoadTable, Scene, each, has_unit

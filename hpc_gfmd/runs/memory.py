@@ -5,7 +5,7 @@ check that a machine has it.
 import platform
 from math import prod
 
-from ..driver.precision import least_precision
+from ..driver.precision_forecast import least_precision
 from ..parallel.comm import Comm
 from ..parallel.guard import raise_on_all
 from ..scene import Scene

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..driver.precision import first_of_scene, precisions
+from ..driver.precision_forecast import first_of_scene, precisions
 from ..surface import cell_of
 from ..util.machine import GIB
 from .memory import memory_of

@@ -22,7 +22,7 @@ from ..contact.fields import heights_of
 from ..driver.grid_errors import CoarseContact
 from ..driver.history import History
 from ..driver.load import Unfinished
-from ..driver.precision import first_of_scene, precisions
+from ..driver.precision_forecast import first_of_scene, precisions
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import clear, has_begun, is_held, of_earlier_version, partial_folder

@@ -5,7 +5,7 @@ import pytest
 from contacts import rough, sweep_of
 
 import hpc_gfmd
-from hpc_gfmd.driver.precision import known_heights, known_p_stars, precisions
+from hpc_gfmd.driver.precision_forecast import known_heights, known_p_stars, precisions
 from hpc_gfmd.scene import Scene
 
 SINGLE = np.dtype(np.float32)

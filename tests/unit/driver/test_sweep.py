@@ -7,7 +7,7 @@ import pytest
 from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
 from refusal import refused
 
-from hpc_gfmd.driver import sweep as sweep_module
+from hpc_gfmd.driver import precision
 from hpc_gfmd.driver.load import Load, Unfinished
 from hpc_gfmd.driver.nested import Nested
 from hpc_gfmd.driver.starter import WARM
@@ -110,7 +110,7 @@ def test_double_precision_goes_on_from_the_gap_of_single_precision(nested_starts
         return sweep.solve(P * sweep.surface.g_rms)
 
     single = solved()
-    monkeypatch.setattr(sweep_module, "needs_double", lambda *_: True)
+    monkeypatch.setattr(precision, "_is_spoilt", lambda *_: True)
     both = solved()
     assert len(nested_starts) == 2  # one each
     assert (single.g.dtype, both.g.dtype) == (np.float32, np.float64)

@@ -178,7 +178,7 @@ def test_a_stopped_load_keeps_double_precision(pieces, monkeypatch):
     """A load that stagnated in single precision and was stopped in double resumes in double."""
     from hpc_gfmd.driver import sweep
 
-    monkeypatch.setattr(sweep, "first_precision", lambda _: np.dtype(np.float32))
+    monkeypatch.setattr(sweep, "first_precision", lambda *_: np.dtype(np.float32))
     stopped_scene = scene("bpx", [0.3], precision="auto", accuracy=None, residual=1e-8)
     count = pieces.undisturbed(stopped_scene)
     assert read_result(pieces.whole).steps[0]["fft_pairs"] > 40  # of both attempts
