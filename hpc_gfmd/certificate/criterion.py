@@ -6,9 +6,6 @@ from dataclasses import dataclass
 from math import inf, isnan, nan
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import DTypeLike
-
 if TYPE_CHECKING:
     from .certificate import Certificate
     from .error_estimates import Estimate
@@ -16,16 +13,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StoppingCriterion:
-    """When a load counts as solved: at an accuracy or at a residual; and how to certify it."""
+    """When a load counts as solved: at an accuracy or at a residual."""
 
     # largest relative error of area, mean gap and pressure; None with residual
     accuracy: float | None = None
     # largest rms pressure out of contact, over the mean; None with accuracy
     residual: float | None = None
     max_iterations: int = 100_000  # of one load
-    certificate_dtype: DTypeLike = np.float64
-    duality: bool = False  # whether certificates have the duality gap, for half an FFT pair more
-    in_turn: bool = False  # whether the solver frees transforms and last step during a certificate
     # accuracy of the result, where later loads need a better one of gap and pressure; or None
     of_result: float | None = None
 

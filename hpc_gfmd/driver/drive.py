@@ -8,14 +8,14 @@ it. A load also ends if it makes no progress any more (`Limits`), is interrupted
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..certificate.certificate import Certificate, certify
+from ..certificate.certificate import Certificate
 from ..certificate.criterion import StoppingCriterion
+from .certifier import Certifier
 from .target import Target
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     Watch = Callable[[int, Progress], Any]
 
 
+IN_DOUBLE = Certifier(np.dtype(np.float64))
 # When a certificate is computed, and when a solver counts as stagnated. A certificate alone decides
 # that a load is solved; these numbers cost or save FFT pairs only. The measure is the error that
 # the solver estimates, over the requested one.
@@ -61,16 +62,18 @@ def drive(
     target: Target | None = None,
     guard: SaddleGuard | None = None,
     certificate: Certificate | None = None,
+    certifier: Certifier = IN_DOUBLE,
 ) -> Outcome:
     """Iterate a started solver until a certificate meets the criterion, or until it has to end.
     Collective.
 
     watch(iterations, progress) is called before a step and may end the load as "interrupted".
     `target` may change p0; `guard`, required with an attraction, computes the stability and leaves
-    saddles; `certificate` is that of the start, if it may be accurate enough. The solver's state
-    becomes the solution.
+    saddles; `certificate` is that of the start, if it may be accurate enough; `certifier` makes the
+    others. The solver's state becomes the solution.
     """
-    loop = Loop(solver, criterion, watch, target or Target(solver.state.p0), guard)
+    target = target or Target(solver.state.p0)
+    loop = Loop(solver, criterion, watch, target, guard, certifier)
     outcome = None if certificate is None else loop.begin_with(certificate)
     while outcome is None:
         outcome = loop.iterate()
@@ -88,12 +91,14 @@ class Loop:
         watch: Watch | None,
         target: Target,
         guard: SaddleGuard | None,
+        certifier: Certifier,
     ):
         self.solver = solver
         self.criterion = criterion
         self.watch = watch
         self.target = target
         self.guard = guard
+        self.certifier = certifier
         self.limits = Limits(solver, criterion)
         self.pairs = 0.0
         solver.state.stability = None  # that of the load before is not that of this one
@@ -197,7 +202,7 @@ class Loop:
         return None
 
     def _certificate(self) -> Certificate:
-        certificate = certificate_of(self.solver, self.criterion)
+        certificate = self.certifier.certify(self.solver)
         self.pairs += certificate.pairs
         return self._with_errors_that_count(certificate)
 
@@ -353,18 +358,3 @@ class Limits:
         if self.solver.iterations - self.best_at > patience:
             return "stagnated"
         return None
-
-
-def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
-    """Certify the solver's state (operators/state.py: what changes and follows). Collective."""
-    with solver.room() if criterion.in_turn else nullcontext():
-        certificate = certify(
-            solver.problem_now,
-            solver.state,
-            solver.levels,
-            criterion.certificate_dtype,
-            criterion.duality,
-        )
-        if criterion.in_turn:
-            solver.grid.forget_fft(criterion.certificate_dtype)
-    return certificate

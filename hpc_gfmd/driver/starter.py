@@ -15,19 +15,20 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..certificate.criterion import StoppingCriterion
 from ..certificate.of_pressure import certify_pressure
 from ..parallel import interrupt
 from ..solvers import solver_class
 from .box import Box, Rectangle, solved_in
 from .branches import goes_on
-from .drive import certificate_of, drive
+from .certifier import Certifier
+from .drive import drive
 from .nested import Candidate, Nested, cold_gap, roughly_solved, undeformed_gap
 from .precision import certificate_dtype
 from .target import Target
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
+    from ..certificate.criterion import StoppingCriterion
     from ..operators.problem import Problem
     from ..solvers.base import Solver
     from .grid_errors import CoarseContact
@@ -55,7 +56,7 @@ class Start(NamedTuple):
     """A solver at the beginning of a load, and what led there."""
 
     solver: Solver
-    criterion: StoppingCriterion
+    certifier: Certifier
     pairs: float  # FFT pairs of the start that the solver does not count
     # contacts on the coarser grids of the start, finest first; none with an attraction
     coarser: Sequence[CoarseContact] = ()
@@ -70,11 +71,16 @@ class Starter:
     """
 
     def __init__(
-        self, working: WorkingSurface, criterion: StoppingCriterion, kept: np.ndarray | None = None
+        self,
+        working: WorkingSurface,
+        criterion: StoppingCriterion,
+        duality: bool = False,
+        kept: np.ndarray | None = None,
     ):
         self.working = working
         self.settings = working.settings
         self.criterion = criterion
+        self.duality = duality
         self.solver_class = solver_class(self.settings.name)
         self.solver: Solver | None = None
         self._kept = kept
@@ -105,17 +111,17 @@ class Starter:
         best = next(gaps)
         if best.gap is None:
             return self._start_in_box(target, problem, best)
-        solver, criterion = self._solver_for(target, problem, best.gap)
+        solver, certifier = self._solver_for(target, problem, best.gap)
         if best.may_be_solved:
-            certificate = _certified(solver, criterion, best.gap)
+            certificate = _certified(solver, certifier, best.gap)
             pairs = best.pairs + certificate.pairs
-            return Start(solver, criterion, pairs, best.coarser, certificate)
-        pairs = best.pairs + _lay_down(solver, criterion, best.gap)
+            return Start(solver, certifier, pairs, best.coarser, certificate)
+        pairs = best.pairs + _lay_down(solver, certifier, best.gap)
         for candidate in gaps:
             if candidate.gap is None or not _is_worse_than_undeformed(solver):
                 break
-            pairs += _lay_down(solver, criterion, candidate.gap)
-        return Start(solver, criterion, pairs, best.coarser)
+            pairs += _lay_down(solver, certifier, candidate.gap)
+        return Start(solver, certifier, pairs, best.coarser)
 
     # -- the ways to start
 
@@ -190,7 +196,7 @@ class Starter:
         assert solver is not None
         solver.reset_counts()
         solver.continue_at(target.p0)
-        return Start(solver, self._criterion_for(solver), 0.0)
+        return Start(solver, self._certifier_for(solver), 0.0)
 
     # -- in a box
 
@@ -210,23 +216,23 @@ class Starter:
             self.forget()  # its memory is needed for the box
             solved = solved_in(box, problem, nested.grids, self._solve_alone)
             gap = problem.grid.empty(problem.dtype)
-            solver, criterion = self._solver_for(target, problem, gap)
+            solver, certifier = self._solver_for(target, problem, gap)
             certificate, neglected = certify_pressure(
                 solver.problem_now,
                 solved.part,
                 solver.state,
                 solver.levels,
-                criterion.certificate_dtype,
-                criterion.duality,
+                certifier.dtype,
+                certifier.duality,
             )
             pairs += solved.pairs + certificate.pairs
             penetrating = Rectangle.of(problem.grid, partial(_penetrates, solver))
             if penetrating is None:
                 coarser = solved.coarser_of_surface(certificate.gap_mean, best.coarser)
-                if neglected > NEGLECTED * criterion.tolerance:
-                    certificate = _certified(solver, criterion, solver.state.g)
+                if neglected > NEGLECTED * self.criterion.tolerance:
+                    certificate = _certified(solver, certifier, solver.state.g)
                     pairs += certificate.pairs
-                return Start(solver, criterion, pairs, coarser, certificate)
+                return Start(solver, certifier, pairs, coarser, certificate)
             touching = box.touching.joined(penetrating)
             box = Box.around(touching, problem.grid, nested.grids, problem.grid.comm)
         self.forget()
@@ -240,12 +246,19 @@ class Starter:
         start = nested.start(problem, self._make, target)
         assert start.gap is not None  # no box is asked for
         solver = self._make(problem, start.gap)
-        criterion = self._criterion_for(solver)
+        certifier = self._certifier_for(solver)
+        criterion = self.criterion
         if criterion.residual is not None:  # of the pressure over that of the whole surface
             share = np.sqrt(problem.grid.N / self.working.surface.grid.N)
             criterion = replace(criterion, residual=criterion.residual * share)
-        pairs = start.pairs + _lay_down(solver, criterion, start.gap)
-        outcome = drive(solver, criterion, lambda *_: interrupt.check(problem.grid.comm), target)
+        pairs = start.pairs + _lay_down(solver, certifier, start.gap)
+        outcome = drive(
+            solver,
+            criterion,
+            lambda *_: interrupt.check(problem.grid.comm),
+            target,
+            certifier=certifier,
+        )
         return solver, pairs + solver.pairs + outcome.pairs, start.coarser
 
     # -- their steps
@@ -256,9 +269,9 @@ class Starter:
 
     def _solver_for(
         self, target: Target, problem: Problem, gap: np.ndarray
-    ) -> tuple[Solver, StoppingCriterion]:
+    ) -> tuple[Solver, Certifier]:
         """Return the solver at the target's p0, with counts at 0 and `gap` as its array if new, and
-        its criterion. The caller has to lay it down at the gap; in low memory the heights are
+        its certifier. The caller has to lay it down at the gap; in low memory the heights are
         freed.
         """
         p0 = target.begin()
@@ -267,17 +280,14 @@ class Starter:
             self.solver = self._make(problem, gap)
         self.solver.reset_counts()
         self.solver.state.p0 = problem.p0
-        return self.solver, self._criterion_for(self.solver)
+        return self.solver, self._certifier_for(self.solver)
 
-    def _criterion_for(self, solver: Solver) -> StoppingCriterion:
-        """Return a load's criterion; its certificate is in double if rounding would spoil it."""
+    def _certifier_for(self, solver: Solver) -> Certifier:
+        """Return what certifies a load; in double if rounding would spoil its certificate."""
         working = self.working
         dtype = certificate_dtype(working, solver.problem_now)
-        return replace(
-            self.criterion,
-            certificate_dtype=dtype.type,
-            in_turn=working.saves_memory and dtype != working.dtype,
-        )
+        in_turn = working.saves_memory and dtype != working.dtype
+        return Certifier(dtype, self.duality, in_turn)
 
 
 def _filled(problem: Problem, memory: np.ndarray | None, gap: np.ndarray | float) -> np.ndarray:
@@ -287,23 +297,23 @@ def _filled(problem: Problem, memory: np.ndarray | None, gap: np.ndarray | float
     return memory
 
 
-def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> float:
+def _lay_down(solver: Solver, certifier: Certifier, gap: np.ndarray) -> float:
     """Start a solver at a gap; return FFT pairs that it does not count. Collective. The first
     pressure is in the certificate's precision: its rounding errors stay.
     """
-    if criterion.certificate_dtype == solver.problem.dtype:
+    if certifier.dtype == solver.problem.dtype:
         solver.start(gap)
         return 0.0
-    certificate = _certified(solver, replace(criterion, duality=False), gap)
+    certificate = _certified(solver, replace(certifier, duality=False), gap)
     solver.restart()
     return certificate.pairs
 
 
-def _certified(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> Certificate:
+def _certified(solver: Solver, certifier: Certifier, gap: np.ndarray) -> Certificate:
     """Certify a starting gap, at which the solver then has to begin. Collective."""
     if gap is not solver.state.g:
         solver.state.g[...] = gap
-    return certificate_of(solver, criterion)
+    return certifier.certify(solver)
 
 
 def _penetrates(solver: Solver, i0: int, i1: int) -> np.ndarray:

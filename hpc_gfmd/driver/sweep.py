@@ -47,10 +47,11 @@ class Sweep:
     """Solves the loads on one surface, each from the solution before if that is close.
 
     make_surface(precision): makes the surface, collectively; called again if a load needs double.
-    settings: the table [solver] of a scene. duality, of_result: as in StoppingCriterion. table: the
-    table [load], whose first load may need double from the beginning. `working`, `starter`: the
-    surface and the starts in the present precision. `coarser`: the contacts on coarser grids that
-    the last load started from, finest first; empty if it started otherwise.
+    settings: the table [solver] of a scene. duality: as in Certifier. of_result: as in
+    StoppingCriterion. table: the table [load], whose first load may need double from the beginning.
+    `working`, `starter`: the surface and the starts in the present precision. `coarser`: the
+    contacts on coarser grids that the last load started from, finest first; empty if it started
+    otherwise.
     """
 
     def __init__(
@@ -68,12 +69,9 @@ class Sweep:
         self.settings = settings
         self.model = model
         self.criterion = StoppingCriterion(
-            settings.accuracy,
-            settings.residual,
-            settings.max_iterations,
-            duality=duality,
-            of_result=of_result,
+            settings.accuracy, settings.residual, settings.max_iterations, of_result
         )
+        self.duality = duality
         self._history: list[dict[str, float]] = []  # of the last two loads, see _remember
         self._failed = False  # whether the load before has no solution
         self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
@@ -88,7 +86,7 @@ class Sweep:
         """
         kind = LowMemorySurface if self.settings.low_memory else WorkingSurface
         self.working = kind(self.make_surface, self.model, self.settings, precision)
-        self.starter = Starter(self.working, self.criterion, gap)
+        self.starter = Starter(self.working, self.criterion, self.duality, gap)
 
     @property
     def surface(self) -> Surface:
@@ -276,7 +274,9 @@ class Sweep:
             return None, pairs + solver.pairs
         attracts = self.model.attraction is not None
         guard = SaddleGuard(solver, self.model.branch_of(load)) if attracts else None
-        outcome = drive(solver, start.criterion, watch, target, guard, start.certificate)
+        outcome = drive(
+            solver, self.criterion, watch, target, guard, start.certificate, start.certifier
+        )
         pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
             return self._separated(load, target.note, solver.iterations, pairs), pairs

@@ -10,7 +10,7 @@ import pytest
 from hpc_gfmd.certificate.certificate import Certificate
 from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.certificate.error_estimates import Estimate
-from hpc_gfmd.driver import drive as module
+from hpc_gfmd.driver.certifier import Certifier
 from hpc_gfmd.driver.drive import REFUSALS, drive
 from hpc_gfmd.driver.target import Target
 from hpc_gfmd.operators.state import State
@@ -59,11 +59,11 @@ def certified(monkeypatch):
     """certified(error) makes certificates with the error error(solver)."""
 
     def script(error):
-        def certificate_of(solver, criterion):
+        def certify(certifier, solver):
             e = error(solver)
             return Certificate(errors=(0.0, 0.1 * e, e), contact=10, gap_mean=1.0, pairs=PAIRS)
 
-        monkeypatch.setattr(module, "certificate_of", certificate_of)
+        monkeypatch.setattr(Certifier, "certify", certify)
 
     return script
 
@@ -114,11 +114,11 @@ def test_constant_estimates_are_stagnation(certified):
 def test_unattainable_accuracy_stops_at_once(certified, monkeypatch):
     """Errors that the working precision does not allow to reduce are stagnation."""
 
-    def certificate_of(solver, criterion):
+    def certify(certifier, solver):
         errors = (0.0, 0.0, 5 * ACCURACY)
         return Certificate(errors=errors, attainable=(0.0, 5 * ACCURACY), contact=10, gap_mean=1.0)
 
-    monkeypatch.setattr(module, "certificate_of", certificate_of)
+    monkeypatch.setattr(Certifier, "certify", certify)
     assert drive(Scripted(halving), CRITERION).status == "stagnated"
 
 

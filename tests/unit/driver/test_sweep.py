@@ -52,10 +52,10 @@ def test_near_loads_start_from_the_previous_one(nested_starts, ratio, is_near):
 def test_loads_after_a_failure_start_afresh(table):
     sweep = sweep_of(SURFACE, accuracy=1e-6)
     failing, fine = sweep.loads(LoadTable(**table))
-    criterion = sweep.starter.criterion
-    sweep.starter.criterion = replace(criterion, max_iterations=1)
+    criterion = sweep.sweep.criterion
+    sweep.sweep.criterion = replace(criterion, max_iterations=1)
     assert sweep.solve(failing).status == "max_iterations"
-    sweep.starter.criterion = criterion
+    sweep.sweep.criterion = criterion
     contact = sweep.solve(fine)
     alone = sweep_of(SURFACE, accuracy=1e-6).solve(fine)
     assert contact.certificate == alone.certificate
