@@ -42,7 +42,7 @@ class ContactModel:
         return replace(self, attraction=None, branch=APPROACH, unique=False)
 
     @property
-    def follows(self) -> bool:
+    def always_continues(self) -> bool:
         """Whether adhesive loads start from the one before, however far: retraction or a cycle."""
         return self.attraction is not None and self.branch in (RETRACTION, CYCLE)
 

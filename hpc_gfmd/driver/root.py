@@ -170,7 +170,7 @@ class Root(Target):
         self.x = x
         self.p0 = self.p0_of(x)
 
-    def measure(self, working: WorkingSurface) -> None:
+    def learn_heights(self, working: WorkingSurface) -> None:
         self.finest = working.heights
 
     def begin(self, problem: Problem | None = None) -> float:

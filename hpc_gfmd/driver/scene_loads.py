@@ -94,7 +94,7 @@ def _require_lengths(
     largest = working.heights.top * working.surface.slope / unit
     for index, value in enumerate(values):
         # on retraction and in a cycle the attraction may hold the bodies together beyond that
-        may_be_larger = working.model.follows and index > 0
+        may_be_larger = working.model.always_continues and index > 0
         if quantity == "gap_mean" and not (value < largest or may_be_larger):
             allowed = f"below {format_quantity(largest, value)}, where the highest peak touches"
         elif 0 < value < resolution * largest:

@@ -1,9 +1,9 @@
 """Where a solver starts at a load: the first gap of a list that applies.
 
-The list: a given gap, the one that single precision has reached, the load before if it is close,
-the undeformed body under tension, full contact, and coarser grids (nested.py), which solve light
-contacts with free edges in a box (box.py). The undeformed body follows if that has far too much
-energy.
+The list: a given gap, the one that single precision has reached, the undeformed body under tension,
+full contact, and coarser grids (nested.py), which solve light contacts with free edges in a box
+(box.py). The undeformed body follows if that has far too much energy. A load close to the one
+before goes on from that instead.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Start(NamedTuple):
 class Starter:
     """Starts the solver at each load on a working surface, and keeps it for the next load.
 
-    `solver`: at the last solution; None before the first load and after `forget`. kept: the gap
+    `solver`: at the last solution; None before the first load and after `forget`. `kept`: the gap
     that another precision has reached, from which the first load starts; or None.
     """
 
@@ -83,12 +83,12 @@ class Starter:
         self.duality = duality
         self.solver_class = solver_class(self.settings.name)
         self.solver: Solver | None = None
-        self._kept = kept
+        self.kept = kept
 
     def forget(self) -> None:
         """Drop the solver and its memory: the next load cannot start from the last solution."""
         self.solver = None
-        self._kept = None
+        self.kept = None
 
     def gap_in(self, dtype: np.dtype) -> np.ndarray | None:
         """Drop the solver, and return its gap in another precision; None without a solver."""
@@ -96,14 +96,40 @@ class Starter:
         self.forget()
         return gap
 
-    def start(self, target: Target, gap: np.ndarray | None = None, in_box: bool = True) -> Start:
-        """Start the solver at a load, made if there is none. Collective; Stopped on all ranks.
+    # -- from the load before
 
-        From the load before (see `follows`), else the first of `_gaps` without far too much energy.
-        `gap` (local slab) is copied; in_box: may be solved in a box. The target changes.
+    def continues(self, target: Target) -> bool:
+        """Return whether a load starts from the one before: if close, on retraction or in a cycle
+        as `ContactModel.always_continues`; never to close the gap. Its p0 or a guess must be known.
         """
-        if gap is None and self._kept is None and self.follows(target):
-            return self._continue(target)
+        if self.solver is None or target.closes:
+            return False
+        before = self.solver.state.p0
+        model = self.working.model
+        if model.attraction is not None:
+            if not goes_on(model.branch, target.p0, before):
+                return False
+            if model.always_continues:  # the state before is part of what is asked
+                return True
+        return 1 / WARM < target.p0 / before < WARM
+
+    def continued(self, target: Target) -> Start:
+        """Continue the solver at the target's p0, from its present solution, with counts at 0."""
+        solver = self.solver
+        assert solver is not None
+        solver.reset_counts()
+        solver.continue_at(target.p0)
+        return Start(solver, self._certifier_for(solver), 0.0)
+
+    # -- from another gap
+
+    def start(self, target: Target, gap: np.ndarray | None = None, in_box: bool = True) -> Start:
+        """Start the solver at a load, made if there is none, not from the load before. Collective;
+        Stopped on all ranks.
+
+        From the first of `_gaps` without far too much energy. `gap` (local slab) is copied; in_box:
+        may be solved in a box. The target changes.
+        """
         if self.working.saves_memory:
             self.solver = None
         problem = replace(self.working.problem(target.p0), spring=target.spring)
@@ -123,8 +149,6 @@ class Starter:
             pairs += _lay_down(solver, certifier, candidate.gap)
         return Start(solver, certifier, pairs, best.coarser)
 
-    # -- the ways to start
-
     def _gaps(
         self, target: Target, problem: Problem, gap: np.ndarray | None, in_box: bool
     ) -> Iterator[Candidate]:
@@ -132,8 +156,8 @@ class Starter:
         (tension), 0 (full contact), from coarser grids or a plane, with an attraction from the
         contact without it, undeformed.
         """
-        kept = self._kept
-        self._kept = None
+        kept = self.kept
+        self.kept = None
         memory = self.working.memory_for_gap(problem, self.solver)
         attracts = problem.attraction is not None
         if gap is not None:
@@ -171,32 +195,6 @@ class Starter:
             return start._replace(coarser=())
         rough = roughly_solved(bare, self._make, start.gap, WITHOUT_ATTRACTION, Target(problem.p0))
         return Candidate(rough.state.g, start.pairs + rough.pairs)
-
-    def follows(self, target: Target) -> bool:
-        """Return whether a load starts from the one before, or goes on in double: if close, on
-        retraction or in a cycle as `ContactModel.follows`; never to close the gap. Its p0 or a
-        guess must be known.
-        """
-        if self._kept is not None:
-            return True
-        if self.solver is None or target.closes:
-            return False
-        before = self.solver.state.p0
-        model = self.working.model
-        if model.attraction is not None:
-            if not goes_on(model.branch, target.p0, before):
-                return False
-            if model.follows:  # however far: the state before is part of what is asked
-                return True
-        return 1 / WARM < target.p0 / before < WARM
-
-    def _continue(self, target: Target) -> Start:
-        """Continue the solver at the target's p0, from its present solution, with counts at 0."""
-        solver = self.solver
-        assert solver is not None
-        solver.reset_counts()
-        solver.continue_at(target.p0)
-        return Start(solver, self._certifier_for(solver), 0.0)
 
     # -- in a box
 

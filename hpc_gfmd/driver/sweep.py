@@ -133,7 +133,7 @@ class Sweep:
         """
         if self.working.is_flat:
             return flat_contact(self.working, load.value)
-        if self._failed and not self.model.follows:
+        if self._failed and not self.model.always_continues:
             self.starter.forget()
         if self._stays_separated(load):
             return self._separated(load)
@@ -200,7 +200,7 @@ class Sweep:
         pairs = 0.0
         if unfinished is not None:
             gap, p0 = unfinished.gap, unfinished.p_mean / working.pressure_unit
-        elif self.model.follows and solver is not None:
+        elif self.model.always_continues and solver is not None:
             gap, p0 = solver.state.g.copy(), solver.state.p0
         else:
             bare = self._on_same_surface(self.model.without_attraction)
@@ -256,15 +256,17 @@ class Sweep:
         contact the starter's solver holds the gap that was reached.
         """
         working = self.working
-        target.measure(working)
-        begins = gap is None and not self.starter.follows(target)
+        starter = self.starter
+        target.learn_heights(working)
+        continues = gap is None and starter.continues(target)
+        is_fresh = gap is None and not continues and starter.kept is None
         if needs_double(working, target, gap):
-            if begins:
-                self.starter.forget()
+            if is_fresh:
+                starter.forget()
             return None, pairs
-        if target.p0 < 0 and begins:
+        if target.p0 < 0 and is_fresh:
             return self._separated(load, pairs=pairs), pairs
-        start = self.starter.start(target, gap)
+        start = starter.continued(target) if continues else starter.start(target, gap)
         self.coarser = start.coarser or self.coarser
         solver = start.solver
         if unfinished is not None:
@@ -294,7 +296,7 @@ class Sweep:
         )
         if needs_double(working, target, solved=(contact, solver.problem_now)):
             if contact.status == "nonfinite":
-                self.starter.forget()
+                starter.forget()
             return None, pairs
         if unfinished is not None:
             self.coarser, self._of_grid = unfinished.coarser, unfinished.of_grid
@@ -308,7 +310,7 @@ class Sweep:
 
     def _stays_separated(self, load: Load) -> bool:
         """Return whether bodies that have come apart stay so at a mean gap or approach."""
-        if load.is_pressure or not self.model.follows or self._separated_at is None:
+        if load.is_pressure or not self.model.always_continues or self._separated_at is None:
             return False
         if load.quantity == "approach":
             touches = load.value > 0
@@ -338,7 +340,7 @@ class Sweep:
         """
         sweep = self._on_same_surface(self.model.on_other_branch)
         start = None
-        if sweep.model.follows:
+        if sweep.model.always_continues:
             start = Unfinished(np.zeros_like(contact.g), contact.p_mean, iterations=0, pairs=0.0)
         other = sweep.solve(Load("pressure", contact.p_mean), self._raise_if_stopped, start)
         return replace(

@@ -40,7 +40,7 @@ class Target:
         """An estimate of half the relative contact area; p0 is right at light loads."""
         return self.p0
 
-    def measure(self, working: Any) -> None:
+    def learn_heights(self, working: Any) -> None:
         """Learn what is needed of the heights of a WorkingSurface in the solver's precision."""
 
     def begin(self, problem: Problem | None = None) -> float:
