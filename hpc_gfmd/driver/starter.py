@@ -67,15 +67,11 @@ class Starter:
     """Starts the solver at each load on a working surface, and keeps it for the next load.
 
     `solver`: at the last solution; None before the first load and after `forget`. `kept`: the gap
-    that another precision has reached, from which the first load starts; or None.
+    that another precision has reached, from which the next load starts; or None.
     """
 
     def __init__(
-        self,
-        working: WorkingSurface,
-        criterion: StoppingCriterion,
-        duality: bool = False,
-        kept: np.ndarray | None = None,
+        self, working: WorkingSurface, criterion: StoppingCriterion, duality: bool = False
     ):
         self.working = working
         self.settings = working.settings
@@ -83,7 +79,7 @@ class Starter:
         self.duality = duality
         self.solver_class = solver_class(self.settings.name)
         self.solver: Solver | None = None
-        self.kept = kept
+        self.kept: np.ndarray | None = None
 
     def forget(self) -> None:
         """Drop the solver and its memory: the next load cannot start from the last solution."""

@@ -1,9 +1,8 @@
 """Solve the loads on one surface, one after another.
 
-A load gets its target, a start (starter.py) and the iterations (drive.py), and becomes a Contact.
-Single precision is tried first if the accuracy allows it; where it fails, double precision goes on
-from its gap, also for all later loads. Some loads need another contact before their own: the full
-one, that of a flat punch, or the one without attraction.
+A load gets its target (preparation.py), a start (starter.py) and the iterations (drive.py), and
+becomes a Contact. Single precision is tried first if the accuracy allows it; where it fails, double
+precision goes on from its gap, also for all later loads.
 """
 
 from __future__ import annotations
@@ -21,16 +20,13 @@ from ..util.errors import SceneError
 from .branches import CYCLE, SaddleGuard, compared
 from .contact_model import ContactModel
 from .drive import drive
-from .full_contact import Closing, Pressure
 from .grid_errors import grid_errors
-from .held import Held
 from .load import Load, Unfinished
 from .low_memory import LowMemorySurface
 from .precision import DOUBLE, first_precision, needs_double
-from .quantities import NEARLY_CLOSED, ROOTS, Opening, opening_load
+from .preparation import Preparation
 from .scene_loads import loads_of
 from .starter import Starter
-from .target import Target
 from .without_iterations import contact_of, flat_contact, separated_contact
 from .working_surface import WorkingSurface
 
@@ -40,6 +36,7 @@ if TYPE_CHECKING:
     from ..surface import Precision, Surface
     from .drive import Watch
     from .grid_errors import CoarseContact
+    from .preparation import Beginning
     from .working_surface import MakeSurface
 
 
@@ -72,21 +69,18 @@ class Sweep:
             settings.accuracy, settings.residual, settings.max_iterations, of_result
         )
         self.duality = duality
-        self._history: list[dict[str, float]] = []  # of the last two loads, see _remember
+        self._preparation = Preparation()
         self._failed = False  # whether the load before has no solution
         self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
-        self._punch: np.ndarray | None = None  # see _flat_solution
         self.coarser: Sequence[CoarseContact] = ()
         self._of_grid: GridErrors | None = None  # of the last load with a nested start
         self._work_in(first_precision(settings, model, table))
 
-    def _work_in(self, precision: Precision, gap: np.ndarray | None = None) -> None:
-        """Make the surface and the starter in a precision; gap: where the next load starts.
-        Collective.
-        """
+    def _work_in(self, precision: Precision) -> None:
+        """Make the surface and the starter in a precision. Collective."""
         kind = LowMemorySurface if self.settings.low_memory else WorkingSurface
         self.working = kind(self.make_surface, self.model, self.settings, precision)
-        self.starter = Starter(self.working, self.criterion, self.duality, gap)
+        self.starter = Starter(self.working, self.criterion, self.duality)
 
     @property
     def surface(self) -> Surface:
@@ -137,96 +131,22 @@ class Sweep:
             self.starter.forget()
         if self._stays_separated(load):
             return self._separated(load)
-        target, gap, pairs = self._prepared(load, unfinished)
-        if unfinished is not None:
-            gap = unfinished.gap
-            pairs += unfinished.pairs
-            target.begin_at(unfinished.p_mean / self.working.pressure_unit)
+        beginning = self._preparation.of(load, self, unfinished)
         self.coarser = ()
-        contact, pairs = self._attempt(load, target, watch, unfinished, gap, pairs)
+        contact = self._attempt(load, beginning, watch, unfinished)
         if contact is None:
             self._go_on_in_double()
-            contact, pairs = self._attempt(load, target, watch, unfinished, gap, pairs)
+            contact = self._attempt(load, beginning, watch, unfinished)
         assert contact is not None  # double precision always gives one
         self._failed = contact.status not in ("converged", "interrupted", "separated")
         self._separated_at = load if contact.is_separated else None
         if contact.status == "converged":
-            self._remember(contact)
+            self._preparation.remember(contact)
         if self.model.unique:
             return self._with_other_branch(contact)
         return contact
 
-    # -- from a load to its target
-
-    def _prepared(
-        self, load: Load, unfinished: Unfinished | None
-    ) -> tuple[Target, np.ndarray | None, float]:
-        """Return the target of a load, the gap to start from if it has to be that, and the FFT
-        pairs of other contacts that had to be solved for these. Collective.
-        """
-        model = self.model
-        working = self.working
-        if load.is_pressure:
-            kind = Target if model.attraction is not None else Pressure
-            return kind(load.value / working.pressure_unit), None, 0.0
-        if model.attraction is not None:
-            return self._held(load, unfinished)
-        if load.closes:
-            return self._closing()
-        is_area = load.quantity == "a_r"
-        value = load.value if is_area else load.value / working.surface.slope
-        if load.quantity == "gap_mean" and model.hardness is None:
-            opens = opening_load(load.value, working)
-            if opens < NEARLY_CLOSED:
-                closed = self.solve(Load("a_r", 1.0), self._raise_if_stopped)
-                closes_at = closed.p_mean / closed.pressure_unit
-                # which may have gone on in double precision: another working surface
-                return Opening(value, self.working, opens, closes_at), None, closed.pairs
-        return ROOTS[load.quantity](value, working, self._history), None, 0.0
-
-    def _closing(self) -> tuple[Target, None, float]:
-        """Return the target of full contact; with free edges a flat punch is solved first."""
-        if not self.surface.grid.padded:
-            return Closing(self.settings.tolerance), None, 0.0
-        unit, pairs = self._flat_solution()
-        return Closing(self.settings.tolerance, unit), None, pairs
-
-    def _held(self, load: Load, unfinished: Unfinished | None) -> tuple[Target, np.ndarray, float]:
-        """Return the `Held` of a gap or approach with attraction, the gap to start from (that of
-        `unfinished`, of the load before, or without attraction, solved here), and FFT pairs.
-        Collective.
-        """
-        working, solver = self.working, self.starter.solver
-        pairs = 0.0
-        if unfinished is not None:
-            gap, p0 = unfinished.gap, unfinished.p_mean / working.pressure_unit
-        elif self.model.always_continues and solver is not None:
-            gap, p0 = solver.state.g.copy(), solver.state.p0
-        else:
-            bare = self._on_same_surface(self.model.without_attraction)
-            start = bare.solve(load, self._raise_if_stopped)
-            gap, p0, pairs = start.g, start.p_mean / working.pressure_unit, start.pairs
-        target = Held(
-            load.quantity,
-            load.value / working.surface.height_unit,
-            self.settings.tolerance,
-            p0,
-            working.problem(p0),
-            gap_at_touch=working.heights.top / working.surface.grid.a,
-            gap_at_start=gap,
-        )
-        return target, gap, pairs
-
-    def _remember(self, contact: Contact) -> None:
-        """Store load, area, gap and approach of a solution, from which later targets begin."""
-        a = self.surface.grid.a
-        solved = {
-            "p0": contact.p_mean / self.working.pressure_unit,
-            "a_r": contact.contact_points / contact.N,
-            "gap_mean": contact.certificate.gap_mean * a,
-            "approach": contact.certificate.approach * a,
-        }
-        self._history = [*self._history[-1:], solved]
+    # -- one load in one precision
 
     def _go_on_in_double(self) -> None:
         """Make the surface again in double, to start at the solver's gap; SceneError if heights
@@ -236,52 +156,48 @@ class Sweep:
         gap = self.starter.gap_in(DOUBLE)
         self.working.release()
         del self.working, self.starter  # their memory is needed for the next ones
-        self._work_in(DOUBLE, gap)
+        self._work_in(DOUBLE)
+        self.starter.kept = gap
         if checksum not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
 
-    # -- one load in one precision
-
     def _attempt(
-        self,
-        load: Load,
-        target: Target,
-        watch: Watch | None,
-        unfinished: Unfinished | None,
-        gap: np.ndarray | None,
-        pairs: float,
-    ) -> tuple[Contact | None, float]:
-        """Solve a load in this precision; return its contact, None if it needs double, and all
-        FFT pairs. Collective. gap: where to start, or None; pairs: those taken before. Without a
-        contact the starter's solver holds the gap that was reached.
+        self, load: Load, beginning: Beginning, watch: Watch | None, unfinished: Unfinished | None
+    ) -> Contact | None:
+        """Solve a load in this precision, and add to the pairs of its beginning; return its
+        contact, None if it needs double. Collective. Without a contact the starter's solver holds
+        the gap that was reached.
         """
         working = self.working
         starter = self.starter
+        target = beginning.target
+        gap = beginning.gap
         target.learn_heights(working)
         continues = gap is None and starter.continues(target)
         is_fresh = gap is None and not continues and starter.kept is None
         if needs_double(working, target, gap):
             if is_fresh:
                 starter.forget()
-            return None, pairs
+            return None
         if target.p0 < 0 and is_fresh:
-            return self._separated(load, pairs=pairs), pairs
+            return self._separated(load, pairs=beginning.pairs)
         start = starter.continued(target) if continues else starter.start(target, gap)
         self.coarser = start.coarser or self.coarser
         solver = start.solver
         if unfinished is not None:
             solver.iterations = unfinished.iterations
-        pairs += start.pairs
+        beginning.pairs += start.pairs
         if needs_double(working, target):  # as the coarser grids have found
-            return None, pairs + solver.pairs
+            beginning.pairs += solver.pairs
+            return None
         attracts = self.model.attraction is not None
         guard = SaddleGuard(solver, self.model.branch_of(load)) if attracts else None
         outcome = drive(
             solver, self.criterion, watch, target, guard, start.certificate, start.certifier
         )
-        pairs += solver.pairs + outcome.pairs
+        beginning.pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
-            return self._separated(load, target.note, solver.iterations, pairs), pairs
+            return self._separated(load, target.note, solver.iterations, beginning.pairs)
         # converged at a load that single precision cannot find
         is_undecided = outcome.status == "converged" and target.needs_double
         contact = contact_of(
@@ -292,15 +208,15 @@ class Sweep:
             outcome.certificate,
             remark=target.note,
             iterations=solver.iterations,
-            pairs=pairs,
+            pairs=beginning.pairs,
         )
         if needs_double(working, target, solved=(contact, solver.problem_now)):
             if contact.status == "nonfinite":
                 starter.forget()
-            return None, pairs
+            return None
         if unfinished is not None:
             self.coarser, self._of_grid = unfinished.coarser, unfinished.of_grid
-        return self._with_grid_errors(contact), pairs
+        return self._with_grid_errors(contact)
 
     def _with_grid_errors(self, contact: Contact) -> Contact:
         """Return a contact with errors by the grid, its own or those of the load before."""
@@ -326,13 +242,28 @@ class Sweep:
         p_mean = load.value if load.is_pressure else 0.0
         return separated_contact(self.working, p_mean, remark, iterations, pairs)
 
-    # -- other contacts on the same surface
+    # -- other contacts, for Preparation and `unique`
 
-    def _on_same_surface(self, model: ContactModel) -> Sweep:
-        """Return a new sweep of another model on this surface, in the present precision only."""
-        precision = "double" if self.dtype == DOUBLE else "single"
-        settings = self.settings.model_copy(update={"precision": precision})
-        return Sweep(lambda dtype: self.surface, settings, model)
+    def closed(self) -> Contact:
+        """Solve full contact at the smallest load, perhaps in double precision from then on."""
+        return self.solve(Load("a_r", 1.0), self._raise_if_stopped)
+
+    def flat_punch(self) -> Contact:
+        """Solve a flat punch of the surface's size at a mean pressure of 1."""
+        surface = self.surface
+        self.starter.forget()  # its memory is needed now
+
+        def flat(dtype: np.dtype) -> Surface:
+            h = np.zeros(surface.grid.inside, dtype)
+            return replace(surface, h=h, h_rms=0.0, g_rms=0.0, checksum=None)
+
+        sweep = Sweep(flat, self.settings, ContactModel(body=self.model.body))
+        return sweep.solve(Load("pressure", 1.0), self._raise_if_stopped)
+
+    def without_attraction(self, load: Load) -> Contact:
+        """Solve a load without attraction, in the present precision."""
+        sweep = self._on_same_surface(self.model.without_attraction)
+        return sweep.solve(load, self._raise_if_stopped)
 
     def _with_other_branch(self, contact: Contact) -> Contact:
         """Return the contact with `other_branch`: retraction starts from closed surfaces; both
@@ -347,25 +278,11 @@ class Sweep:
             contact, other_branch=compared(contact, other), pairs=contact.pairs + other.pairs
         )
 
-    def _flat_solution(self) -> tuple[np.ndarray, float]:
-        """Solve a flat punch, once; return pressure on and displacement beyond the surface, and FFT
-        pairs. Collective.
-        """
-        if self._punch is not None:
-            return self._punch, 0.0
-        surface = self.surface
-        rows, points = surface.grid.inside
-        self.starter.forget()  # its memory is needed now
-
-        def flat(dtype: np.dtype) -> Surface:
-            h = np.zeros((rows, points), dtype)
-            return replace(surface, h=h, h_rms=0.0, g_rms=0.0, checksum=None)
-
-        sweep = Sweep(flat, self.settings, ContactModel(body=self.model.body))
-        contact = sweep.solve(Load("pressure", 1.0), self._raise_if_stopped)
-        self._punch = contact.g
-        self._punch[:rows, :points] = contact.p[:rows, :points]
-        return self._punch, contact.pairs
+    def _on_same_surface(self, model: ContactModel) -> Sweep:
+        """Return a new sweep of another model on this surface, in the present precision only."""
+        precision = "double" if self.dtype == DOUBLE else "single"
+        settings = self.settings.model_copy(update={"precision": precision})
+        return Sweep(lambda dtype: self.surface, settings, model)
 
     def _raise_if_stopped(self, *_: object) -> None:
         """Raise Stopped on all ranks if a signal asks the run to stop; takes what `watch` takes."""
