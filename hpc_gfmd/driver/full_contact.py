@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .target import ROUNDING, Target
+from .target import DISTINCT, Target
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
@@ -32,7 +32,7 @@ def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tup
 
     extremes_of_pieces = [(-np.inf, 0.0), *grid.by_rows(extremes, rows)]
     tension, largest = grid.comm.max(np.max(extremes_of_pieces, axis=0)).tolist()
-    return tension, ROUNDING * float(np.finfo(p.dtype).eps) * largest
+    return tension, DISTINCT * float(np.finfo(p.dtype).eps) * largest
 
 
 class Pressure(Target):
@@ -57,7 +57,7 @@ class Pressure(Target):
         if not is_closed or solver.problem.dtype != np.float64:
             return None
         tension, rounding = tension_of(solver.grid, solver.state.p)
-        is_rounding = 0 <= tension <= ROUNDING * solver.problem_now.rounding
+        is_rounding = 0 <= tension <= DISTINCT * solver.problem_now.rounding
         return tension + rounding if is_rounding else None
 
 

@@ -102,7 +102,7 @@ class Nested:
         """The coarser grids of which this rank owns rows, finest first."""
         return [self.coarser.grid, *self.coarser.grids] if self.coarser is not None else []
 
-    def start(
+    def candidate(
         self,
         problem: Problem,
         make_solver: MakeSolver,
@@ -128,7 +128,7 @@ class Nested:
         start = None
         with interrupt.shared(comm, None) as found:
             if coarse is not None and self.coarser is not None:
-                start = self.coarser.start(coarse, make_solver, target)
+                start = self.coarser.candidate(coarse, make_solver, target)
                 if in_box and start.coarser:
                     found.value = self._box_by(coarse, start.gap, self.step.steps)
         box = found.value

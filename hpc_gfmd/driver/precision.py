@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
-from ..operators.problem import ROUNDING as ROUNDING_OF_HEIGHTS
+from ..operators.problem import ROUNDING
 from ..surface import ByHeights
 from ..surface.number_range import single_solves
 from .full_contact import tension_of
-from .target import ROUNDING
+from .target import DISTINCT
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -102,7 +102,7 @@ def _is_spoilt(contact: Contact, problem: Problem, target: Target) -> bool:
     if target.closes or contact.contact_points < contact.N:
         return False
     tension, _ = tension_of(contact.grid, contact.p)
-    return tension > -ROUNDING * problem.rounding
+    return tension > -DISTINCT * problem.rounding
 
 
 def _single_fails_on(
@@ -146,7 +146,7 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
 
 def rounding_in_single(h_rms: float) -> float:
     """Return the rms pressure error, over E* g_rms, of heights in single; h_rms: over g_rms a."""
-    return ROUNDING_OF_HEIGHTS * float(np.finfo(np.float32).eps) * h_rms
+    return ROUNDING * float(np.finfo(np.float32).eps) * h_rms
 
 
 def p_stars_of(

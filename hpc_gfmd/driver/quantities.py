@@ -17,7 +17,7 @@ import numpy as np
 
 from ..operators.selection import nth_smallest
 from .root import Bound, Root, Value
-from .target import ROUNDING, area_may_be_met
+from .target import DISTINCT, area_may_be_met
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
@@ -137,12 +137,12 @@ class Area(Root):
     in_steps = True
 
     def __init__(
-        self, value: float, working: WorkingSurface, history: Sequence[dict[str, float]] = ()
+        self, value: float, working: WorkingSurface, earlier: Sequence[dict[str, float]] = ()
     ):
         surface = working.surface
         # of the map, for one point of the grid: more than 1 if heights vary along one axis only
         self.map_points = prod(surface.n) // prod(surface.grid.nominal)
-        super().__init__(value, working, history)
+        super().__init__(value, working, earlier)
 
     def _clear(self) -> None:
         super()._clear()
@@ -279,7 +279,7 @@ class Area(Root):
         if self.x not in (self.low.x, self.high.x):
             return 0.0
         eps = float(np.finfo(np.float64).eps)
-        self.rounding = ROUNDING * max(solver.problem_now.rounding, eps * solver.state.p0)
+        self.rounding = DISTINCT * max(solver.problem_now.rounding, eps * solver.state.p0)
         apart = self.p0_of(self.high.x) - self.p0_of(self.low.x)
         if apart > self.rounding:
             ends = round(self.low.value * solver.N) + 1, round(self.high.value * solver.N)

@@ -77,7 +77,7 @@ class Root(Target):
     in_steps: ClassVar[bool] = False  # whether y goes in steps: a closed bracket is never left
 
     def __init__(
-        self, value: float, working: WorkingSurface, history: Sequence[dict[str, float]] = ()
+        self, value: float, working: WorkingSurface, earlier: Sequence[dict[str, float]] = ()
     ):
         self.value = value
         self.tolerance = working.settings.tolerance
@@ -87,7 +87,7 @@ class Root(Target):
         self.slope = self.usual
         self.corrections = 0
         self._clear()
-        self._go(self._first(working.surface, history))
+        self._go(self._first(working.surface, earlier))
 
     def _clear(self) -> None:
         """Forget what was found at other loads on this grid."""
@@ -100,9 +100,9 @@ class Root(Target):
         self.extrapolated = False  # whether x is the end of a plateau between the bounds
         self.before: tuple[float, float] | None = None  # x and f of the last certificate
 
-    def _first(self, surface: Surface, history: Sequence[dict[str, float]]) -> float:
+    def _first(self, surface: Surface, earlier: Sequence[dict[str, float]]) -> float:
         """Return x to begin with: extrapolated from loads that were solved before, or a guess."""
-        for solved in history:
+        for solved in earlier:
             self.x = self.x_of(solved["p0"])
             if isfinite(self.x):
                 self._learn_slope(self.straight(solved[self.quantity]), 0.0)
@@ -116,7 +116,7 @@ class Root(Target):
 
     # -- the quantity
 
-    quantity: ClassVar[str]  # its name in a history
+    quantity: ClassVar[str]  # its name in the numbers of earlier loads
 
     def guess(self, surface: Surface) -> float:
         """Return the x to begin with if no load has been solved before."""

@@ -183,7 +183,7 @@ class Starter:
         """
         bare = replace(problem, attraction=None)
         in_box = in_box and self._may_be_in_box(target)
-        start = self.working.nested().start(bare, self._make, target, memory, in_box)
+        start = self.working.nested().candidate(bare, self._make, target, memory, in_box)
         if problem.attraction is None:
             may_be_closed = not target.is_sought and target.p0 >= problem.body.full_p_star
             return start._replace(may_be_solved=may_be_closed)
@@ -237,7 +237,7 @@ class Starter:
         """Solve a contact on a grid of its own, as accurately as asked."""
         target = Target(problem.p0)
         nested = Nested(problem.grid, problem.dtype)
-        start = nested.start(problem, self._make, target)
+        start = nested.candidate(problem, self._make, target)
         assert start.gap is not None  # no box is asked for
         solver = self._make(problem, start.gap)
         certifier = self._certifier_for(solver)

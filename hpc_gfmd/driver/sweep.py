@@ -27,7 +27,7 @@ from .precision import DOUBLE, first_precision, needs_double
 from .preparation import Preparation
 from .scene_loads import loads_of
 from .starter import Starter
-from .without_iterations import contact_of, flat_contact, separated_contact
+from .without_iterations import flat_contact, separated_contact
 from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
@@ -200,8 +200,7 @@ class Sweep:
             return self._separated(load, target.note, solver.iterations, beginning.pairs)
         # converged at a load that single precision cannot find
         is_undecided = outcome.status == "converged" and target.needs_double
-        contact = contact_of(
-            working,
+        contact = working.contact(
             load.value if load.is_pressure else solver.state.p0 * working.pressure_unit,
             solver.state,
             "stagnated" if is_undecided else outcome.status,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..parallel.comm import Comm
     from ..solvers.base import Progress, Solver
 
-ROUNDING = 8.0  # factor on rounding errors: smaller differences of pressures count as none
+DISTINCT = 8.0  # factor on rounding errors: smaller differences of pressures count as none
 
 
 class Target:

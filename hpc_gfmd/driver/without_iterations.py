@@ -1,5 +1,5 @@
-"""The Contact of a load from its fields, and those that need no iterations: flat surfaces, bodies
-that are not loaded or have come apart.
+"""The contacts that need no iterations: flat surfaces, bodies that are not loaded or have come
+apart.
 """
 
 from __future__ import annotations
@@ -10,45 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..certificate.certificate import Certificate
-from ..contact.contact import Contact
 from ..operators.state import State
 from .nested import undeformed_gap
 
 if TYPE_CHECKING:
+    from ..contact.contact import Contact
     from .working_surface import WorkingSurface
 
 EXACT = (0.0, 0.0, 0.0)  # errors of area, mean gap and pressure
-
-
-def contact_of(
-    working: WorkingSurface,
-    p_mean: float,
-    state: State,
-    status: str,
-    certificate: Certificate,
-    remark: str | None = None,
-    iterations: int = 0,
-    pairs: float = 0.0,
-) -> Contact:
-    """Assemble the Contact of a load with the arrays of a state; p_mean: in the unit of E_star."""
-    model = working.model
-    return Contact(
-        working.surface,
-        model.E_star,
-        p_mean,
-        state.g,
-        state.p,
-        status,
-        certificate,
-        accuracy=working.settings.tolerance,
-        lam_s=model.lam_s,
-        body=model.body,
-        remark=remark,
-        iterations=iterations,
-        pairs=float(pairs),
-        hardness=model.hardness,
-        attraction=model.attraction,
-    )
 
 
 def flat_contact(working: WorkingSurface, p_mean: float) -> Contact:
@@ -61,7 +30,7 @@ def flat_contact(working: WorkingSurface, p_mean: float) -> Contact:
     uniform = float(working.model.body.stiffness(np.zeros(1), grid.a)[0])
     if uniform > 0:  # a layer is compressed as a whole
         certificate = replace(certificate, energy=0.5 * p0**2 / uniform, approach=p0 / uniform)
-    return contact_of(working, p_mean, state, "converged", certificate)
+    return working.contact(p_mean, state, "converged", certificate)
 
 
 def unloaded_contact(working: WorkingSurface, apart: float) -> Contact:
@@ -70,7 +39,7 @@ def unloaded_contact(working: WorkingSurface, apart: float) -> Contact:
     state.g += state.g.dtype.type(apart)
     gap_mean = working.heights.top / working.surface.grid.a + apart
     certificate = Certificate(errors=EXACT, gap_mean=gap_mean, approach=-apart)
-    return contact_of(working, 0.0, state, "converged", certificate)
+    return working.contact(0.0, state, "converged", certificate)
 
 
 def separated_contact(
@@ -86,7 +55,7 @@ def separated_contact(
     """
     certificate = Certificate(errors=EXACT, gap_mean=np.nan)
     state = _undeformed(working)
-    return contact_of(working, p_mean, state, "separated", certificate, remark, iterations, pairs)
+    return working.contact(p_mean, state, "separated", certificate, remark, iterations, pairs)
 
 
 def _undeformed(working: WorkingSurface) -> State:

@@ -1,6 +1,7 @@
 """The surface in one precision, with what its contacts share: transforms and coarser grids.
 
-It converts between the scene's units and the program's, and makes the problem at a mean pressure.
+It converts between the scene's units and the program's: makes the problem at a mean pressure, and
+the Contact of its solution.
 """
 
 from __future__ import annotations
@@ -12,13 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..contact.contact import Contact
 from ..laws.base import scaled
 from ..operators.problem import Problem
 from .height_statistics import HeightStatistics
 from .nested import Nested
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..laws.base import Law
+    from ..operators.state import State
     from ..scene import SolverTable
     from ..solvers.base import Solver
     from ..surface import Precision, Surface
@@ -121,3 +125,35 @@ class WorkingSurface:
         if self._nested is None:
             self._nested = Nested(self.surface.grid, self.dtype)
         return self._nested
+
+    # -- the solution
+
+    def contact(
+        self,
+        p_mean: float,
+        state: State,
+        status: str,
+        certificate: Certificate,
+        remark: str | None = None,
+        iterations: int = 0,
+        pairs: float = 0.0,
+    ) -> Contact:
+        """Return the Contact of a load, with the arrays of a state; p_mean: unit of E_star."""
+        model = self.model
+        return Contact(
+            self.surface,
+            model.E_star,
+            p_mean,
+            state.g,
+            state.p,
+            status,
+            certificate,
+            accuracy=self.settings.tolerance,
+            lam_s=model.lam_s,
+            body=model.body,
+            remark=remark,
+            iterations=iterations,
+            pairs=float(pairs),
+            hardness=model.hardness,
+            attraction=model.attraction,
+        )

@@ -21,14 +21,14 @@ P = 0.05  # p*
 def nested_starts(monkeypatch):
     """Loads p0 that were started from coarser grids."""
     starts = []
-    start = Nested.start
+    candidate = Nested.candidate
 
     def counted(nested, problem, *more):
         if problem.grid.n == (32, 32):  # the finest grid
             starts.append(problem.p0)
-        return start(nested, problem, *more)
+        return candidate(nested, problem, *more)
 
-    monkeypatch.setattr(Nested, "start", counted)
+    monkeypatch.setattr(Nested, "candidate", counted)
     return starts
 
 
