@@ -69,8 +69,7 @@ def first_precision(
         p_star, *_ = p_stars_of(table, model.E_star, surface.g_rms, surface.sizes)
         if is_unloaded(p_star, model.attraction) or surface.g_rms == 0:
             return dtype
-        hardness = (model.hardness or inf) / (model.E_star * surface.slope)
-        return DOUBLE if _single_fails_on(surface, settings, p_star, hardness) else dtype
+        return DOUBLE if _single_fails_on(surface, model, settings, p_star) else dtype
 
     return ByHeights(by_heights)
 
@@ -90,7 +89,7 @@ def needs_double(
         return True
     if solved is not None and _is_spoilt(*solved, target):
         return True
-    return _single_fails_on(working.surface, working.settings, target.half_area, working.hardness)
+    return _single_fails_on(working.surface, working.model, working.settings, target.half_area)
 
 
 def _is_spoilt(contact: Contact, problem: Problem, target: Target) -> bool:
@@ -106,10 +105,11 @@ def _is_spoilt(contact: Contact, problem: Problem, target: Target) -> bool:
 
 
 def _single_fails_on(
-    surface: Surface, settings: SolverTable, p_star: float | None, hardness: float
+    surface: Surface, model: ContactModel, settings: SolverTable, p_star: float | None
 ) -> bool:
-    """Return `single_fails` for a load on a surface."""
+    """Return `single_fails` for a load of a model on a surface."""
     h_rms = surface.h_rms / surface.height_unit
+    hardness = (model.hardness or inf) / (model.E_star * surface.slope)
     return single_fails(settings, surface.grid.N, p_star, h_rms, hardness)
 
 
