@@ -50,18 +50,3 @@ def test_an_open_point_takes_no_more_than_it_is_pressed_down_by_itself(state):
         errors = Estimate(squares=error**2)
         wrong = misclassified_points(problem, g, pressure, errors, spread=1, contact=1)
         assert (wrong > 0) == may_change
-
-
-def test_a_single_point_counts_up_to_a_few_times_the_rms_error(state):
-    """A point in contact among others that are certain: its pressure over the rms error decides."""
-    problem, _, p, _ = state
-    g = np.ones_like(p)
-    pressure = np.zeros_like(p)
-    g[:10, :10] = 0.0
-    pressure[:10, :10] = 1.0
-    rms = 0.01
-    errors = Estimate(squares=100 * rms**2)
-    for times, expected in ((3, 1), (6, 0)):
-        pressure[3, 4] = times * rms
-        wrong = misclassified_points(problem, g, pressure, errors, spread=100, contact=100)
-        assert wrong == expected
