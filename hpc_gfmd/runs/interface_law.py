@@ -21,8 +21,11 @@ from ..util.quantities import Quantity, finite_number, parse
 from .law_sampler import Sampler, Steps
 
 # Beginnings of the names of numbers that are no smooth functions of the load: they depend on single
-# points, or count patches.
-UNEVEN = ("contact_pressure_max", "patch", "contact_percolates", "gap_percolates", "gap_spans")
+# points, or count patches or sides of points.
+UNEVEN = (
+    *("contact_pressure_max", "perimeter", "patch"),
+    *("contact_percolates", "gap_percolates", "gap_spans"),
+)
 OF_GRID = ("a_r_discretisation", "gap_discretisation", "a_r_corrected")  # tell errors by the grid
 Sample = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
 
