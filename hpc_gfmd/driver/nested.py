@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..kernels.prolong import SWEEPS, prolong_gap
+from ..kernels.prolong import SWEEPS, gradient_steps, prolong_gap
 from ..parallel import interrupt
 from ..parallel.grid import Grid
 from ..parallel.halo import neighbours
@@ -233,9 +233,8 @@ def _prolong(
     afters = [*(rows[SWEEPS:] for rows in borders), after]
     coarse_rows = int(step.beside[fine.comm.rank]), step.n[0]
     is_halved = tuple(k == 2 for k in step.steps)
-    compliance = 1 / problem.body.scale(fine)
-    near = problem.body.near(fine).astype(problem.dtype)
-    how = is_halved, real(compliance), near, real(compliance * problem.hardness)
+    near = problem.body.near(fine)
+    how = is_halved, gradient_steps(near, is_halved), near, problem.hardness
     fields = step.around(u), step.around(p)
 
     def prolong(i0: int, i1: int, before: np.ndarray, after: np.ndarray) -> None:

@@ -3,11 +3,12 @@ docs/method.md).
 
 The displacement is interpolated; where the finer grid's heights poke through it, the solution
 differs from the interpolation nearby. That difference v = u - P u_c is computed without an FFT, by
-a few projected gradient steps with the part of K that couples neighbours:
+a few projected gradient steps s with the part of K that couples neighbours:
 
-    v <- max(v - compliance (P p_c + K_near v), -g_c),    g_c = P u_c + h,    g = g_c + v.
+    v <- max(v - c_s (P p_c + K_near v), -g_c),    g_c = P u_c + h,    g = g_c + v.
 
-With a hardness H, a step that ends more than compliance H below -g_c makes a dent of the excess.
+Their lengths c_s are those of Chebyshev's iteration for the waves that the coarse grid lacks. With
+a hardness H, a step that ends more than c_s H below -g_c makes a dent of the excess.
 
 Beyond the surface, in the padding of the grid, nothing pokes through: h = 0 and g = u there, and v,
 which follows the finer edge, is not bounded.
@@ -24,35 +25,67 @@ v             what the steps change, see above
 ============  ====================================================================================
 """
 
+import math
+from itertools import product
+
 import numpy as np
 
 from .jit import inline, kernel
 
 SWEEPS = 3  # gradient steps; each widens the halo by a row
+# of the highest symbol of the stencil, where the lowest one is less, as with stiff thin coatings
+LOWEST = 0.25
 # coarse rows needed beyond a rank's own: an axis may not be coarsened, or take a cubic
 HALO = max(SWEEPS, SWEEPS // 2 + 2)
 RING = SWEEPS + 1  # rows of every quantity that are kept
 
 
-def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, deepest, nominal):
+def gradient_steps(stencil, halved):
+    """Return c_s of the gradient steps, the largest first: Chebyshev's for the range of the
+    stencil's symbol over the waves that the coarse grid lacks.
+    """
+    itself, along_x, along_y, diagonal = stencil.tolist()
+    # The symbol is linear in the cosines of both phases, so that its extremes are at corners.
+    symbol = [
+        itself + 2 * along_x * x + 2 * along_y * y + 4 * diagonal * x * y
+        for x, y in product((-1, 0, 1), repeat=2)
+        if (halved[0] and x <= 0) or (halved[1] and y <= 0)
+    ]
+    highest = max(symbol)
+    lowest = max(min(symbol), LOWEST * highest)
+    roots = [math.cos(math.pi * (s + 0.5) / SWEEPS) for s in range(SWEEPS)]
+    return [2 / (highest + lowest - (highest - lowest) * root) for root in roots]
+
+
+def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, steps, stencil, hardness, nominal):
     """Compute the gap g on some rows of the fine grid from the solution on the decimated grid.
 
     Between coarse points u is cubic, (-1, 9, 9, -1)/16, and p the mean. u, p, h: also rows before
     and after this rank's, HALO of coarse fields, SWEEPS of h. g may be h. fine_rows, coarse_rows:
-    first row of this rank, rows of all. stencil: K at a point, neighbours along x, y, diagonal.
-    deepest: compliance times hardness, or inf.
+    first row of this rank, rows of all. steps: c_s. stencil: K at a point, neighbours along x, y,
+    diagonal. hardness: perhaps inf.
     """
-    # Rows in rings, with one more point on either side: -g_c, then compliance P p, then v after
+    itself, along_x, along_y, diagonal = stencil.tolist()
+    couplings = np.array(
+        [
+            (1 - c * itself, -c * along_x, -c * along_y, -c * diagonal, c, c * hardness)
+            for c in steps
+        ],
+        g.dtype,
+    )
+    # Rows in rings, with one more point on either side: -g_c, then P p, then v after
     # 0, 1, ... steps; the last row is scratch.
     ring = np.zeros(((SWEEPS + 3) * RING + 1, g.shape[1] + 2), g.dtype)
     line = np.empty(u[1].shape[1] + 3, g.dtype)
     numbers = np.array([*fine_rows, *coarse_rows, *halved, *nominal], np.int64)
-    _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line)
+    _prolong(u, p, h, g, numbers, couplings, ring, line)
 
 
 @kernel
-def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
-    """Fill g as `prolong_gap`; numbers: its fine_rows, coarse_rows, halved and nominal."""
+def _prolong(u, p, h, g, numbers, couplings, ring, line):
+    """Fill g as `prolong_gap`; numbers: its fine_rows, coarse_rows, halved and nominal; couplings:
+    of v and P p in each step, and its deepest dent.
+    """
     real = g.dtype.type
     start, n_x, first_coarse, m_x, halve_x, halve_y, surface_rows, surface_points = numbers
     rows = g.shape[0]
@@ -61,13 +94,8 @@ def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
     one = real(1)
     near = real(9.0 / 16.0)
     far = real(-1.0 / 16.0)
-    mean = compliance * real(0.5)
-    couplings = (
-        one - compliance * stencil[0],
-        -compliance * stencil[1],
-        -compliance * stencil[2],
-        -compliance * stencil[3],
-    )
+    half = real(0.5)
+    deepest = couplings[0, 5]
     for i in range(-SWEEPS, rows + SWEEPS):
         slot = (i + RING) % RING
         x = start + i
@@ -97,13 +125,13 @@ def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
                 dent = deepest if deepest < free else free
                 v[j + 1] = zero if zero > dent else dent
         _wrap(v)
-        _coarse_line(p, k, between, compliance, mean, zero, line)
-        _interpolate_row(line, ring[RING + slot], halve_y, real(0.5), zero)
+        _coarse_line(p, k, between, one, half, zero, line)
+        _interpolate_row(line, ring[RING + slot], halve_y, half, zero)
         for s in range(1, SWEEPS + 1):
             if i - s >= s - SWEEPS:
                 x = (start + i - s + n_x) % n_x
                 inner = surface_points if x < surface_rows else 0
-                _relax(ring, (s + 1) * RING, i - s, n, inner, deepest, couplings)
+                _relax(ring, (s + 1) * RING, i - s, n, inner, couplings[s - 1])
         finished = i - SWEEPS
         if finished >= 0:
             slot = (finished + RING) % RING
@@ -166,11 +194,11 @@ def _wrap(row):
 
 
 @inline
-def _relax(ring, at, i, n, inner, deepest, couplings):
+def _relax(ring, at, i, n, inner, couplings):
     """Make one gradient step of v for row i, v >= -g_c on `inner` points but for dents; at: the
-    input's ring, output follows; couplings: as a stencil.
+    input's ring, output follows; couplings: as a stencil, then c_s and the deepest dent.
     """
-    with_itself, along_x, along_y, diagonal = couplings
+    with_itself, along_x, along_y, diagonal, c, deepest = couplings
     slot = (i + RING) % RING
     above = ring[at + (i - 1 + RING) % RING]
     v = ring[at + slot]
@@ -187,7 +215,7 @@ def _relax(ring, at, i, n, inner, deepest, couplings):
             + along_x * beside[j]
             + along_y * (v[j - 1] + v[j + 1])
             + diagonal * (beside[j - 1] + beside[j + 1])
-            - p[j]
+            - c * p[j]
         )
     for j in range(1, inner + 1):
         dent = v_new[j] + deepest

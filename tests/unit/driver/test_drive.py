@@ -85,14 +85,15 @@ def test_refusals_lower_the_threshold(certified):
     assert solver.iterations == refused_at + 3  # halvings
 
 
-@pytest.mark.parametrize("factor", [1, 8])
-def test_the_last_step_and_its_certificate_are_made_together(certified, factor):
-    """Once: if its certificate is refused, the next one comes after a whole step."""
+@pytest.mark.parametrize(("factor", "ahead", "pairs"), [(1, 1, 1), (1.5, 2, 2), (8, 1, 3)])
+def test_the_last_step_and_its_certificate_are_made_together(certified, factor, ahead, pairs):
+    """If its certificate is refused for a small error, the next step and certificate are, too; else
+    the next certificate comes after a whole step."""
     certified(lambda solver: factor * halving(solver.iterations))
     solver = Scripted(halving, goes_ahead=True)
     outcome = drive(solver, CRITERION)
-    assert (outcome.status, solver.ahead) == ("converged", 1)
-    assert outcome.pairs == (PAIRS if factor == 1 else 3 * PAIRS)
+    assert (outcome.status, solver.ahead) == ("converged", ahead)
+    assert outcome.pairs == pairs * PAIRS
     assert max(outcome.certificate.errors) < ACCURACY
 
 
