@@ -102,3 +102,16 @@ def test_local_relaxation(random, n, m, hardness):
     assert (g == 0).any()
     for parts in (2, 3, 5):
         assert np.array_equal(prolonged(u, p, h, steps, stencil, parts, hardness), g)
+
+
+def test_gradient_steps_reduce_all_waves_that_the_coarse_grid_lacks():
+    """By the least factor that so many steps have in common, 1/T_3 of the range of K."""
+    stencil = np.array([0.765, -0.138, -0.13, -0.025])
+    steps = prolong.gradient_steps(stencil, (True, True))
+    assert steps == sorted(steps, reverse=True)
+    x, y = np.cos(np.meshgrid(np.linspace(0, np.pi, 201), np.linspace(0, np.pi, 201)))
+    symbol = stencil @ [np.ones_like(x).ravel(), 2 * x.ravel(), 2 * y.ravel(), 4 * (x * y).ravel()]
+    symbol = symbol[(np.minimum(x, y) <= 1e-12).ravel()]
+    left = np.abs(np.prod([1 - c * symbol for c in steps], axis=0)).max()
+    middle = (symbol.max() + symbol.min()) / (symbol.max() - symbol.min())
+    assert left == pytest.approx(1 / np.cosh(prolong.SWEEPS * np.arccosh(middle)), rel=1e-6)
