@@ -30,7 +30,7 @@ compliance of m points.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot, inf, isfinite, sqrt
+from math import copysign, hypot, inf, isfinite, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -91,8 +91,8 @@ class Estimate(NamedTuple):
     attainable: tuple[float, float] = (0.0, 0.0)
     squares: float = np.inf  # sum over points of the squared error of the pressure
     shift: float = np.nan  # signed estimate of how much the sum of gaps will still change
-    # share of the load that the contact does not carry; < 0 if it carries too much
-    missing_load: float = 0.0
+    # points by which the contact grows until it carries the load; < 0 if it shrinks
+    growth: float = 0.0
     # Height by which the body may move further than the linear estimate says, because all of the
     # elastic contact yields or opens (plastic_limits.py).
     fall: float = 0.0
@@ -105,7 +105,7 @@ class Estimate(NamedTuple):
             pressure=self.pressure / factor,
             squares=self.squares / factor**2,
             shift=self.shift / factor,
-            missing_load=self.missing_load / factor,
+            growth=self.growth / factor,
             distance=self.distance / factor,
         )
 
@@ -163,7 +163,7 @@ def estimate(
         attainable=(attainable_gap, attainable_pressure),
         squares=squares,
         shift=n_open / max(N - sums.elastic, 1) * norms.shift,  # free points that do not yield
-        missing_load=sums.open_p / (N * sums.p0),
+        growth=_growth(problem, sums),
         fall=further / n_open,
         distance=distance,
     )
@@ -194,6 +194,20 @@ def _squares_of_norm(problem: Problem) -> float:
     # on a soft base short waves may be stiffer than the typical one says
     body, grid = problem.body, problem.grid
     return share**2 * max(body.typical(grid), body.scale(grid))
+
+
+def _growth(problem: Problem, sums: StateSums) -> float:
+    """Return by how many points the contact grows until it carries the load.
+
+    The elastic contact grows in proportion to what it carries; points that yield carry no more. If
+    they carry all of the load, nothing is known.
+    """
+    carried = problem.grid.N * sums.p0 - sums.open_p
+    if sums.yielded:
+        carried -= problem.hardness * sums.yielded
+    if carried > 0:
+        return sums.open_p * (sums.contact - sums.yielded) / carried
+    return copysign(inf, sums.open_p)
 
 
 def _error_of_gaps(problem: Problem, sums: StateSums, norms: Norms) -> float:

@@ -65,11 +65,9 @@ def misclassified_points(
     counts = _uncertain_points(problem, g, p, at_tie, sure, largest, errors.fall)
     inside, outside = counts
     takes = largest * SMALLEST
-    # the contact grows with the load, about in proportion
-    by_load = errors.missing_load * contact
     margins = REACH, FEW, problem.yields
-    leaving = changing_points(inside, takes, mean_square, -by_load, errors.squares, *margins)
-    joining = changing_points(outside, takes, mean_square, by_load, squares_outside, *margins)
+    leaving = changing_points(inside, takes, mean_square, -errors.growth, errors.squares, *margins)
+    joining = changing_points(outside, takes, mean_square, errors.growth, squares_outside, *margins)
     if problem.yields:
         carrying = problem.grid.N * problem.p0 / problem.hardness
         leaving = max(min(leaving, np.floor(contact - carrying)), 0.0)

@@ -127,7 +127,8 @@ class Sampler:
             if k not in self.gaps:
                 self.gaps[k] = self._gap_at_touch(run.surface)
             steps = map(attrgetter("numbers"), run.solve())
-            return [_of_interface(step, scene.material.E_star) for step in steps]
+            N = run.surface.n[0] * run.surface.n[1]
+            return [_of_interface(step, scene.material.E_star, N) for step in steps]
 
     def _gap_at_touch(self, surface: Surface) -> float:
         """Return the mean gap when the highest point of a surface just touches."""
@@ -159,8 +160,11 @@ def _has_scenes(surfaces: Sequence[Any], keys: Mapping[str, Any]) -> bool:
     return any(scenes)
 
 
-def _of_interface(step: dict[str, Any], E_star: float) -> dict[str, Any]:
-    """Return a load with the conductance stiffness/E_star: no spreading resistance of the body."""
+def _of_interface(step: dict[str, Any], E_star: float, N: int) -> dict[str, Any]:
+    """Return a load with its number of contact points, and the conductance stiffness/E_star: no
+    spreading resistance of the body.
+    """
+    step = step | {"contact_points": step["a_r"] * N}
     stiffness = step.get("stiffness")
     if step.get("conductance") is None or stiffness is None:
         return step

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from campaign import families
+from campaign.truth import truths
 from oracle import solve_yielding
 
 import hpc_gfmd
@@ -42,3 +44,20 @@ def test_a_load_that_whole_points_carry_at_the_hardness():
     level = ordered[heights.size // 2]
     rigid = np.maximum(level - heights, 0).mean()
     assert solution.gap_mean == pytest.approx(rigid, rel=2e-2)
+
+
+def test_few_elastic_points_that_carry_the_rest_of_the_load():
+    """Plates of which one yields but for two points; a second load, .02 % larger, takes six."""
+    wall = families.make("plastic_steps", 71203, 2)
+    contact, exact, hardness = truths(
+        wall.heights, wall.physical_sizes, wall.loads[:2], hardness_star=wall.hardness_star
+    )
+    unit = wall.E_star * contact.g_rms
+    loads = np.array(wall.loads[:2]) * unit
+    solutions = hpc_gfmd.solve(
+        wall.heights, loads, wall.E_star, wall.physical_sizes, 1e-2, hardness=hardness * unit
+    )
+    for solution, truth in zip(solutions, exact, strict=True):
+        points = solution.a_r * wall.heights.size
+        assert abs(points / truth.contact - 1) <= solution.errors[0] <= 1e-2
+    assert exact[1].contact > exact[0].contact

@@ -28,7 +28,7 @@ def test_points_follow_a_missing_load(state, share):
     problem, g, p, n = state
     squares = 1e-2 * float(np.sum(p[g <= 0].astype(float) ** 2))
     for sign in (1, -1):
-        errors = Estimate(squares=squares, missing_load=sign * share)
+        errors = Estimate(squares=squares, growth=sign * share * n)
         expected = share * n
         wrong = misclassified_points(problem, g, p, errors, spread=n, contact=n)
         assert wrong >= expected
