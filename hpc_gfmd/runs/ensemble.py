@@ -87,9 +87,12 @@ class Ensemble:
         """Return a number of all loads of all results, shape (results, loads).
 
         nan for a load without a value. It is computed where a result does not have it, as by
-        `Solution.value`.
+        `Solution.value`. SceneError for texts, such as "status".
         """
-        return np.array([result.values(name) for result in self.results], dtype=float)
+        values = np.array([result.values(name) for result in self.results])
+        if values.dtype.kind not in "fiub":
+            raise SceneError(f"observable: found {name!r}, which is a text, allowed: numbers")
+        return values.astype(float)
 
     def mean(self, name: str) -> np.ndarray:
         """Return the mean of a number over the results, shape (loads,).
