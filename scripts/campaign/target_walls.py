@@ -67,7 +67,7 @@ def missed_area(z, solution, truth, contact, a_r, way, hardness):
     """Return by which share a prescribed area of a wall z is missed; truth is that of its load.
 
     It is 0 within the accuracy, within one point (of a wall that varies along one axis one line),
-    or on the nearer side of a noted jump that the truth has, too.
+    or within the accuracy of the nearer side of a noted jump that the truth has, too.
     """
     points = a_r * contact.N
     distance = abs(round(solution.a_r * contact.N) - points)
@@ -76,7 +76,8 @@ def missed_area(z, solution, truth, contact, a_r, way, hardness):
         return 0.0
     if "jumps" in (solution.note or ""):
         nearest = nearest_count(contact, solution.p_star, points, hardness)
-        if distance <= abs(nearest - points) + 1 + truth.ties_in + truth.ties_out:
+        around = max(way["accuracy"] * nearest, 1)
+        if distance <= abs(nearest - points) + around + truth.ties_in + truth.ties_out:
             return 0.0
     return distance / points
 
