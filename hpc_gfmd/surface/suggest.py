@@ -180,7 +180,6 @@ def _by_heights(
     boundary "mirror" if edges do not meet and neither period nor window is given.
     """
     values = result.values
-    why = result.why
     filled: dict[str, object] = {"fill": "harmonic"}
     if result.missing:
         filled["crop"] = None
@@ -194,19 +193,9 @@ def _by_heights(
         return heights, quality, edges_of(heights)
 
     heights, quality, meeting = prepared_map()
-    refusal = ', which surface.fill = "none" refuses: the scene does not run'
-    is_refused = heights.filled and user_keys.get("fill") == "none"
-    result.about.append(f"{heights.filled or 'no'} points without a height{refusal * is_refused}")
-    if heights.filled and "fill" not in user_keys:
-        values["fill"] = "harmonic"
-        why["fill"] = f"{heights.filled} points have no height"
-    tilt = f"{per_cent(quality.tilt)} % of the variance of the heights is tilt"
-    is_left = DOUBT.slight_tilt < quality.tilt <= DOUBT.tilt and "detrend" not in user_keys
-    result.about.append(f'{tilt} (surface.detrend = "tilt" removes it)' if is_left else tilt)
+    _by_missing_points(result, heights.filled, user_keys)
     stray = outliers(heights.heights(), quality.typical)
-    if quality.tilt > DOUBT.tilt and "detrend" not in user_keys:
-        values["detrend"] = "tilt"
-        why["detrend"] = tilt
+    if _by_tilt(result, quality.tilt, user_keys):
         heights, quality, meeting = prepared_map()
     edges = f"opposite edges differ by {max(meeting.jumps):.2g} times what neighbours differ by"
     result.about.append(edges)
@@ -221,16 +210,7 @@ def _by_heights(
         all(meeting.meet) or topography.periodic or {"boundary", "window"} & user_keys.keys()
     )
     if is_open:
-        result.open = ["boundary"]
-        values["boundary"] = "mirror"
-        why["boundary"] = f"chosen for you, one of {CHOICES_TEXT}"
-        result.about += [
-            'boundary = "mirror" is written: a piece of a larger surface, which goes on as mirror'
-            " images of the map (four times the points)",
-            'boundary = "free" would be a body that ends where the map ends (ball, lens, pin):'
-            " high pressure at its edges, and nothing beyond them that bears load",
-            'boundary = "periodic" would repeat the map and press the step at its edges, too',
-        ]
+        _open_boundary(result)
     spec = make({"boundary": "periodic"} | values | filled)
     pressed = build_surface(spec, SerialComm(), float, opened=lambda: topography)
     scale, name = prefixed([pressed.h_rms], heights.unit)
@@ -246,6 +226,45 @@ def _by_heights(
     result.about += [note for note in _not_on_reading(heights) if note not in known_lines]
     if not result.missing:
         result.about += map(str, slope_notes(pressed.g_rms, measured=True))
+
+
+def _by_missing_points(result: Suggestion, filled: int, user_keys: dict) -> None:
+    """Say how many points have no height, and suggest to fill them."""
+    refusal = ', which surface.fill = "none" refuses: the scene does not run'
+    is_refused = filled and user_keys.get("fill") == "none"
+    result.about.append(f"{filled or 'no'} points without a height{refusal * is_refused}")
+    if filled and "fill" not in user_keys:
+        result.values["fill"] = "harmonic"
+        result.why["fill"] = f"{filled} points have no height"
+
+
+def _by_tilt(result: Suggestion, share: float, user_keys: dict) -> bool:
+    """Say which share of the variance of the heights is tilt; return whether to remove it, which
+    is then suggested.
+    """
+    tilt = f"{per_cent(share)} % of the variance of the heights is tilt"
+    is_set = "detrend" in user_keys
+    is_left = DOUBT.slight_tilt < share <= DOUBT.tilt and not is_set
+    result.about.append(f'{tilt} (surface.detrend = "tilt" removes it)' if is_left else tilt)
+    if share <= DOUBT.tilt or is_set:
+        return False
+    result.values["detrend"] = "tilt"
+    result.why["detrend"] = tilt
+    return True
+
+
+def _open_boundary(result: Suggestion) -> None:
+    """Suggest a boundary that only the user can know, and say what the others would be."""
+    result.open = ["boundary"]
+    result.values["boundary"] = "mirror"
+    result.why["boundary"] = f"chosen for you, one of {CHOICES_TEXT}"
+    result.about += [
+        'boundary = "mirror" is written: a piece of a larger surface, which goes on as mirror'
+        " images of the map (four times the points)",
+        'boundary = "free" would be a body that ends where the map ends (ball, lens, pin):'
+        " high pressure at its edges, and nothing beyond them that bears load",
+        'boundary = "periodic" would repeat the map and press the step at its edges, too',
+    ]
 
 
 def _bandwidth_line(z: np.ndarray, sizes: tuple[float, ...], unit: str) -> str:
