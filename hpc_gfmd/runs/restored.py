@@ -21,17 +21,8 @@ def restored_contact(result: Result) -> Contact:
     nan, as fields do not tell them; `surface.h` is None without stored heights.
     """
     step = result.steps[0]
-    stored = result.fields[0]
     attributes = result.surface
-    missing = [name for name in ("pressure", "gap") if name not in stored]
-    if missing:
-        raise SceneError(
-            f"{result.path}: has no {' and no '.join(missing)}, allowed: a result with fields ="
-            ' ["pressure", "gap"]'
-        )
-    fields = {
-        name: stored[name].read() for name in ("pressure", "gap", "heights") if name in stored
-    }
+    fields = _stored_fields(result)
     scene = result.scene
     n = [*attributes["n"]]
     free = scene.surface.free
@@ -75,6 +66,18 @@ def restored_contact(result: Result) -> Contact:
         hardness=hardness,
         attraction=attraction_of(scene.material),
     )
+
+
+def _stored_fields(result: Result) -> dict[str, np.ndarray]:
+    """Return pressure, gap and perhaps heights of a Result with one load; SceneError without."""
+    stored = result.fields[0]
+    missing = [name for name in ("pressure", "gap") if name not in stored]
+    if missing:
+        raise SceneError(
+            f"{result.path}: has no {' and no '.join(missing)}, allowed: a result with fields ="
+            ' ["pressure", "gap"]'
+        )
+    return {name: stored[name].read() for name in ("pressure", "gap", "heights") if name in stored}
 
 
 def _constant_axis(*fields: np.ndarray) -> int | None:
