@@ -176,12 +176,10 @@ def error_bars(name: str, step: dict) -> tuple[float, float] | None:
     if error is None:
         return None
     area_errors = _area_errors(step) if name in TOO_LARGE + TOO_SMALL else None
-    if area_errors is None:
-        return error, error
-    random = sum(area_errors[1:])
-    if name in TOO_LARGE:
-        return error, random
-    return random / (1 + random), error / (1 - error) if error < 1 else inf
+    area_above = error if area_errors is None else sum(area_errors[1:])
+    if name in TOO_SMALL:
+        return area_above / (1 + area_above), error / (1 - error) if error < 1 else inf
+    return error, area_above
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:

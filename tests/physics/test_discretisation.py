@@ -14,7 +14,7 @@ from hpc_gfmd.contact.area import (
     a_r_corrected,
     a_r_discretisation,
 )
-from hpc_gfmd.output.summary import combined_error
+from hpc_gfmd.output.summary import combined_error, error_bars
 
 TIGHT = {"accuracy": 1e-5, "precision": "double"}
 
@@ -76,6 +76,21 @@ def test_a_profile():
             relative_errors.append((a_r(contact) - exact) / estimate)
     assert 0.8 < np.max(np.abs(relative_errors)) <= 1
     assert 0.15 < np.mean(relative_errors) < 0.4
+
+
+def test_the_mean_pressure_of_a_profile():
+    """Where a narrow contact is too wide by its bar, the load over it is too small by more."""
+    shares = []
+    for n in (24, 32, 57, 64, 101):
+        wall = 0.02 * np.cos(2 * np.pi * np.arange(n) / n)[:, None]
+        for load in (0.001, 0.003, 0.01, 0.03):
+            p = load * 0.02 * np.pi
+            solution = hpc_gfmd.solve(wall, p, boundary="periodic", **TIGHT)
+            exact = p / (2 / np.pi * np.arcsin(np.sqrt(load)))
+            below, above = error_bars("contact_pressure_mean", solution.steps[0])
+            error = exact / solution.contact_pressure_mean - 1
+            shares.append(error / above if error > 0 else -error / below)
+    assert 0.5 < max(shares) <= 1
 
 
 def solve(z, sizes):
