@@ -129,9 +129,11 @@ def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] =
         kind = "file"
         suggested = _of_maps(names, path, tables)
     else:
+        absent = [name for name in names if not Path(name).is_file()]
+        hint = f"; there is no file {' or '.join(absent)}" if absent else ""
         raise SceneError(
             f"init: found {' '.join(names)}, allowed: a kind of surface ({', '.join(made)}) or the"
-            " path of a spectrum, of a height map, or of two"
+            f" path of a spectrum, of a height map, or of two{hint}"
         )
     head = f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."
     text = template(kind, tables, suggested, head)

@@ -130,7 +130,7 @@ def _require_hdf5(path: Path) -> None:
     elif path.stat().st_size == 0:
         unfit = "found an empty file, allowed: a result file"
     elif not committed_file(path).exists() and not h5py.is_hdf5(path):
-        unfit = "not an HDF5 file"
+        unfit = "not an HDF5 file, allowed: a result file"
     else:
         return
     raise SceneError(f"{path}: {unfit}")

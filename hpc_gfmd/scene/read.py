@@ -49,7 +49,8 @@ def _read(path: str | PathLike, origin: str) -> str:
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or one_line(str(error))
         raise SceneError(
-            f"{origin}: cannot read this scene file: {why}, allowed: UTF-8 text in TOML"
+            f"{origin}: cannot read this scene file: {why}, allowed: UTF-8 text in TOML;"
+            f" hpc-gfmd init {origin} writes one for a height map"
         ) from None
     if not text.strip():
         raise SceneError(f"{origin}: found an empty file, allowed: at least [surface] and [load]")
