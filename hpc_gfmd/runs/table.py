@@ -8,6 +8,7 @@ from typing import Any
 from ..contact import all_numbers, observables_named
 from ..output.result import Result
 from ..output.summary import converged, estimate, is_number, pull_off_line, surface_line
+from ..scene import each
 from ..util.quantities import in_units, prefixed
 
 NARROWEST = 9  # width of columns whose later rows are not known yet
@@ -20,6 +21,10 @@ NO_COARSER_GRID = "no coarser grid was solved, of gaps and pressures it is the s
 EDGES = (
     "max p: of a grid point; where the contact reaches a free edge it grows without limit on finer"
     " grids"
+)
+RIDGES = (
+    "max p: of a grid point; where the contact reaches a ridge between mirror images it grows"
+    " without limit on finer grids"
 )
 
 # attribute: heading; a column is left out where no step has a value
@@ -210,6 +215,9 @@ def remarks(steps: Mapping[int, dict], surface: dict, observables: Sequence[str]
         for step in steps.values()
     ):
         lines.append(EDGES)
+    is_mirrored = any(note.startswith("mirrored") for note in each(surface.get("prepared") or ()))
+    if is_mirrored and any(_has_value(step.get("contact_pressure_max")) for step in steps.values()):
+        lines.append(RIDGES)
     if pull_off := pull_off_line([*steps.values()], surface):
         lines.append(pull_off)
     numbers_of_note: dict[str, list[str]] = {}

@@ -161,6 +161,22 @@ def test_gaps_of_a_piece_with_free_edges():
     within_bars(surface, (1, 2, 4), 8, 0.01, ("gap_mean",))
 
 
+def test_the_largest_pressure_on_a_ridge_between_mirror_images_has_no_limit():
+    """Half the points add the same to that of a wedge, and the table says that."""
+    pressures = []
+    for n in (32, 64, 128):
+        ramp = np.repeat(-0.001 * (np.arange(n)[:, None] + 0.5) / n, 4, 1)
+        keys = {"boundary": ("mirror", "periodic"), "physical_sizes": (1.0, 4 / n)}
+        pressed = hpc_gfmd.solve(ramp, 1e-4, **keys)
+        pressures.append(pressed.contact_pressure_max)
+    first, second = np.diff(pressures)
+    assert first == pytest.approx(second, rel=0.01)
+    assert first > 0.1 * pressures[-1]
+    assert "between mirror images" in pressed.table()
+    periodic = hpc_gfmd.solve(ramp, 1e-4, boundary="periodic", physical_sizes=(1.0, 4 / n))
+    assert "between mirror images" not in periodic.table()
+
+
 def test_where_errors_of_the_grid_stay_or_lack():
     z = heights_of(rough((2, 16, 4), 0.8))
     keys = {"boundary": "periodic", "physical_sizes": (1.0, 1.0)}
