@@ -33,6 +33,12 @@ COMMANDS = (  # files of this folder, in the order in which --help lists them
 )
 SHELLS = ("bash", "zsh", "tcsh")
 WRITE_FILES = (["run"], ["restart"])  # what they print only tells of their result
+ON_ALL_RANKS = (
+    "run",
+    "restart",
+    "law",
+    "info",
+)  # commands that all ranks call; others rank 0 alone
 GRACE_SECONDS = 1.0  # before a rank that failed alone aborts the job
 DESCRIPTION = (
     "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
@@ -151,7 +157,42 @@ def _parsed(arguments: Sequence[str], script: Callable[[], ArgumentParser] | Non
     if script is None and arguments and not arguments[0].startswith("-"):
         _require_command(arguments[0])
     args: Namespace = (script or build_parser)().parse_args(arguments)
-    return args.main(args) or 0
+    work = partial(args.main, args)
+    is_of_one = script is None and arguments[0] not in ON_ALL_RANKS
+    return (_once(arguments[0], work) if is_of_one else work()) or 0
+
+
+def _once(command: str, work: Callable[[], int | None]) -> int | None:
+    """Call work() on rank 0 of several that a launcher started; return its exit code on all, and
+    raise its errors on all. Without a way to communicate every process calls it. Collective.
+    """
+    from ..parallel.launcher import launched
+
+    _, size = launched()
+    if size is None or size == 1:
+        return work()
+    from ..parallel.guard import on_rank_0
+    from ..parallel.world import world
+
+    try:
+        comm = world()
+    except GfmdError:
+        return work()
+    return on_rank_0(comm, command, partial(_with_error_lines, command, work))
+
+
+def _with_error_lines(command: str, work: Callable[[], int | None]) -> int | None:
+    """Call work(); what `_run` foresees of files and libraries is raised with its line."""
+    try:
+        return work()
+    except BrokenPipeError:
+        discard(sys.stdout)
+        return 1
+    except ImportError as error:
+        raise GfmdError(_missing(command, error)) from error
+    except OSError as error:
+        exit_code, message = _of_exception(command, error)
+        raise (SceneError if exit_code == 2 else GfmdError)(message) from error
 
 
 def _require_command(name: str) -> None:

@@ -46,3 +46,17 @@ def test_refused(comm, scene, overrides, named, cli):
     assert comm.rank > 0 or named in outcome.err
     comm.barrier()
     assert sorted(Path.cwd().iterdir()) == before
+
+
+def test_commands_of_one_process_work_once(comm, scene, cli):
+    """They print and write on rank 0; an error reaches every rank."""
+    outcome = cli("run", scene, "-o", "once.h5")
+    assert outcome.code == 0, outcome.err
+    for number in range(2):
+        outcome = cli("export", "once.h5", "--to", "gwy", "-o", "once.gwy")
+        assert outcome.code == 2 * number
+        assert comm.rank == 0 or not outcome.out + outcome.err
+        assert comm.rank > 0 or ("exists" in outcome.err) == (number == 1)
+    outcome = cli("show", "once.h5", "--json")
+    assert outcome.code == 0
+    assert outcome.out.count('"surface": {') == (comm.rank == 0)
