@@ -23,7 +23,11 @@ def load_scene(
     absolute. Without needs_load a missing [load] gets some load.
     """
     origin = printable(str(path))
-    data = parse_toml(_read(path, origin), origin)
+    text = _read(path, origin)
+    try:
+        data = parse_toml(text, origin)
+    except SceneError as error:
+        raise SceneError(f"{error}{_if_a_map(origin)}") from None
     for override in overrides:
         apply_override(data, override)
     if not needs_load:
@@ -49,12 +53,19 @@ def _read(path: str | PathLike, origin: str) -> str:
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or one_line(str(error))
         raise SceneError(
-            f"{origin}: cannot read this scene file: {why}, allowed: UTF-8 text in TOML;"
-            f" hpc-gfmd init {origin} writes one for a height map"
+            f"{origin}: cannot read this scene file: {why}, allowed: UTF-8 text in TOML"
+            + _if_a_map(origin)
         ) from None
     if not text.strip():
         raise SceneError(f"{origin}: found an empty file, allowed: at least [surface] and [load]")
     return text
+
+
+def _if_a_map(origin: str) -> str:
+    """Return what to do if a file that is no scene is a height map; "" for one in TOML."""
+    if origin.endswith(".toml"):
+        return ""
+    return f"; hpc-gfmd init {origin} writes a scene for a height map"
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:
