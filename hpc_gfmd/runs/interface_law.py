@@ -27,9 +27,9 @@ UNEVEN = (
     *("contact_pressure_max", "perimeter", "patch"),
     *("contact_percolates", "gap_percolates", "gap_spans"),
 )
-# Errors contain so many standard deviations by chance. Chosen: of 5,100 loads between those of 120
-# laws with 20 to 5,000 points in contact 0.2 % have an area or stiffness beyond them, 14 to 25 %
-# without; with 2 it would be 0.5 %.
+# Errors contain so many standard deviations by chance. Chosen: of 5,100 loads between those of laws
+# of 120 walls with 20 to 5,000 points in contact 0.2 % have an area or stiffness beyond them, 14 to
+# 25 % without; with 2 it would be 0.5 %.
 BY_CHANCE = 3.0
 OF_GRID = ("a_r_discretisation", "gap_discretisation", "a_r_corrected")  # tell errors by the grid
 Sample = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
