@@ -33,12 +33,7 @@ COMMANDS = (  # files of this folder, in the order in which --help lists them
 )
 SHELLS = ("bash", "zsh", "tcsh")
 WRITE_FILES = (["run"], ["restart"])  # what they print only tells of their result
-ON_ALL_RANKS = (
-    "run",
-    "restart",
-    "law",
-    "info",
-)  # commands that all ranks call; others rank 0 alone
+ON_ALL_RANKS = ("run", "restart", "law", "info")  # the others work on rank 0 alone
 GRACE_SECONDS = 1.0  # before a rank that failed alone aborts the job
 DESCRIPTION = (
     "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"

@@ -87,11 +87,11 @@ class Ensemble:
         """Return a number of all loads of all results, shape (results, loads).
 
         nan for a load without a value. It is computed where a result does not have it, as by
-        `Solution.value`. SceneError for texts, such as "status".
+        `Solution.value`. SceneError for what is no number, such as "status".
         """
         values = np.array([result.values(name) for result in self.results])
         if values.dtype.kind not in "fiub":
-            raise SceneError(f"observable: found {name!r}, which is a text, allowed: numbers")
+            raise SceneError(f"observable: found {name!r}, which is no number, allowed: numbers")
         return values.astype(float)
 
     def mean(self, name: str) -> np.ndarray:

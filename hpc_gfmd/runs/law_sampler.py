@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 from operator import attrgetter
@@ -127,8 +128,8 @@ class Sampler:
             if k not in self.gaps:
                 self.gaps[k] = self._gap_at_touch(run.surface)
             steps = map(attrgetter("numbers"), run.solve())
-            N = run.surface.n[0] * run.surface.n[1]
-            return [_of_interface(step, scene.material.E_star, N) for step in steps]
+            points = _points_of(run.surface)
+            return [_of_interface(step, scene.material.E_star, points) for step in steps]
 
     def _gap_at_touch(self, surface: Surface) -> float:
         """Return the mean gap when the highest point of a surface just touches."""
@@ -160,11 +161,20 @@ def _has_scenes(surfaces: Sequence[Any], keys: Mapping[str, Any]) -> bool:
     return any(scenes)
 
 
-def _of_interface(step: dict[str, Any], E_star: float, N: int) -> dict[str, Any]:
-    """Return a load with its number of contact points, and the conductance stiffness/E_star: no
-    spreading resistance of the body.
+def _points_of(surface: Surface) -> float:
+    """Return the number of points of a surface, without mirror images, which touch together, and
+    with one along an axis along which it does not vary.
     """
-    step = step | {"contact_points": step["a_r"] * N}
+    notes = [note for note in surface.prepared if note.startswith("mirrored")]
+    images = [4 if note == "mirrored" else 2 for note in notes]
+    return surface.grid.N / math.prod(images)
+
+
+def _of_interface(step: dict[str, Any], E_star: float, points: float) -> dict[str, Any]:
+    """Return a load with the number of its contact points, of so many in all, and the conductance
+    stiffness/E_star: no spreading resistance of the body.
+    """
+    step = step | {"contact_points": step["a_r"] * points}
     stiffness = step.get("stiffness")
     if step.get("conductance") is None or stiffness is None:
         return step

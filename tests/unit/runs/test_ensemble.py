@@ -86,5 +86,5 @@ def test_results_that_do_not_match_are_refused(results):
         hpc_gfmd.Ensemble([results[0], solved(5, [0.05, 0.3])])
     with pytest.raises(SceneError, match="result 2 is an error"):
         hpc_gfmd.Ensemble([results[0], SceneError("a wall")])
-    with pytest.raises(SceneError, match="'status', which is a text"):
+    with pytest.raises(SceneError, match="'status', which is no number"):
         hpc_gfmd.Ensemble(results).mean("status")

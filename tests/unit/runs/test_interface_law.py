@@ -9,6 +9,7 @@ from hpc_gfmd.output.interface_law import interpolate
 from hpc_gfmd.output.summary import error_bars
 from hpc_gfmd.runs import in_memory
 from hpc_gfmd.runs.interface_law import _Curves, interface_law
+from hpc_gfmd.runs.law_sampler import Sampler
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.errors import SceneError
 
@@ -146,6 +147,24 @@ def test_errors_contain_that_points_touch_one_by_one():
         missed = np.abs(interpolate(*curves.curve("a_r"), at) / area(at) - 1)
         beyond.append(np.mean(missed > np.maximum(errors[after], errors[after - 1])))
     assert np.mean(beyond) <= 0.005  # a fifth of them without what is left to chance
+
+
+@pytest.mark.parametrize("prepared", [False, True])
+def test_mirror_images_touch_together(prepared):
+    """They are no further points: the law of a mirrored piece is as uncertain as by its own."""
+    z = wall().heights
+    keys = {"physical_sizes": (1.0, 1.0), "boundary": "mirror"}
+    surface = hpc_gfmd.prepare_surface(z, **keys) if prepared else z
+    sampler = Sampler(surface, ["a_r"], 0.5, 1, {} if prepared else keys, None, False, 1.0)
+    ((load,),) = sampler([1.0])
+    assert load["contact_points"] == pytest.approx(load["a_r"] * z.size)
+
+
+def test_lines_of_a_profile_touch_together():
+    z = wall().heights[:, :1] * np.ones((1, 8))
+    sampler = Sampler(z, ["a_r"], 0.5, 1, {"boundary": "periodic"}, None, False, 1.0)
+    ((load,),) = sampler([1.0])
+    assert load["contact_points"] == pytest.approx(load["a_r"] * len(z))
 
 
 def test_errors_of_numbers_that_follow_from_the_area_are_those_of_tables():
