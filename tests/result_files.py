@@ -34,8 +34,7 @@ UNFINISHED = {  # attributes of a load
     "seconds": 2.5,
     "iterations": 4,
     "fft_pairs": 6.5,
-    "coarser": [0.2, 1.0, 3.0],
-    "of_grid": [0.01, 0.1],
+    "on_coarser_grids": [0.2, 1.0],
 }
 
 

@@ -1,9 +1,9 @@
 """Relative contact area a_r, kappa = a_r/p*, their edge correction, and the error by the grid.
 
 Points touch as a whole, and along the edge of the contact more touch than on a finer grid: by
-EDGE_CORRECTION a^2 per boundary segment (a side between contact and open points; Yastrebov,
-Anciaux, Molinari 2017), an average over directions of the edge on square points: invalid for
-contacts that vary along one axis only, and on points that are not square.
+EDGE_CORRECTION a^2 per side between contact and open points (Yastrebov, Anciaux, Molinari 2017), an
+average over directions of the edge on square points: invalid for contacts that vary along one axis
+only, and on points that are not square. Beyond a free edge the surface is open, too.
 """
 
 from collections.abc import Callable
@@ -19,6 +19,7 @@ SOURCES = (
     "Yastrebov et al., J. Mech. Phys. Solids 107 (2017) 469, doi:10.1016/j.jmps.2017.07.016",
 )
 LATTICE = 12**-0.5  # rms by which whole points miss one edge, in points
+BY_CHANCE = 3  # times that rms: what an error contains
 SQUARE = 0.01  # relative difference of a_x and a_y up to which points count as square
 
 
@@ -45,31 +46,34 @@ def a_r_corrected(contact: Contact) -> float | None:
     a_x, a_y = contact.grid.spacings
     if 1 in contact.grid.nominal or abs(a_x / a_y - 1) > SQUARE:
         return None
-    return a_r(contact) - EDGE_CORRECTION * contact.boundary_segments / contact.N
+    return a_r(contact) - EDGE_CORRECTION * _sides_to_open(contact) / contact.N
+
+
+def _sides_to_open(contact: Contact) -> int:
+    """Return the number of sides between contact and open points, the surface beyond free edges
+    among them; 0 if all points touch, as they do on any grid. Collective.
+    """
+    if contact.contact_points == contact.N:
+        return 0
+    return contact.boundary_segments + contact.edges.free
 
 
 def a_r_discretisation(contact: Contact) -> float:
     """Estimate the relative error of a_r by the grid spacing; inf if nothing touches. Collective.
 
-    The estimate is (b S + sqrt(S/12))/n_c for n_c points in contact and S boundary segments: the
-    full edge correction plus the random error of rounding each segment to whole points; in one
-    dimension EDGE_1D S/n_c, as the edges of one wave miss alike. Tested against grids up to 16
-    times as fine (the finest edge-corrected):
-
-    - 126 self-affine contacts (H = 0.3, 0.8; p* = 0.007, 0.05, 0.35; lam_s/a = 2, 4, 8, 16): a_r is
-      always too large, by 0.95 edge corrections in the mean, from 0.65 to 1.3; error over
-      estimate: 0.87 in the mean, at most 1.05;
-    - 45 contacts of one sphere (1 to 70,000 points): 0.7 edge corrections in the mean, from -0.8 to
-      1.6, as it is chance how a circle lies on its grid; error over estimate up to 1.3;
-    - rough surfaces with points of 1:2, 1:4, 1:8: 0.7 to 1.1 edge corrections, although invalid;
-    - 320 profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most.
+    The estimate is (b S + 3 sqrt(m (S + M)/12))/n_c for n_c points in contact, S sides to open
+    points and M to mirror images: the full edge correction, and three times the random error of
+    rounding each side to whole points, which m mirror images share. In one dimension it is
+    EDGE_1D S/n_c, as the edges of one wave miss alike. docs/accuracy.md has the measurements.
     """
-    segments = contact.boundary_segments
+    sides = _sides_to_open(contact)
     if contact.contact_points == 0:
         return float("inf")
     if 1 in contact.grid.nominal:
-        return EDGE_1D * segments / contact.contact_points
-    return (EDGE_CORRECTION * segments + LATTICE * np.sqrt(segments)) / contact.contact_points
+        return EDGE_1D * sides / contact.contact_points
+    rounded = sides + contact.edges.mirrored if sides else 0
+    by_chance = BY_CHANCE * LATTICE * np.sqrt(contact.surface.images * rounded)
+    return float(EDGE_CORRECTION * sides + by_chance) / contact.contact_points
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:

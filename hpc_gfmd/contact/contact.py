@@ -16,12 +16,13 @@ from ..operators.tangent import Tangent, tangent
 from ..output.fields import LazyField
 from ..parallel.clusters import Clusters, find_clusters
 from ..parallel.grid import Grid
-from ..parallel.halo import next_row
 from ..parallel.threads import added
 from ..surface import Surface
 from ..surface.number_range import field_dtype
+from .edges import EdgeSides, edge_sides
 from .fields import field_of_surface
 from .notes import notes_on
+from .peak import Peak, peak_of
 
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
@@ -31,13 +32,6 @@ class OtherBranch(NamedTuple):
 
     a_r: float
     agrees: bool
-
-
-class GridErrors(NamedTuple):
-    """Estimated relative errors of the mean gap and of the largest pressure by the grid spacing."""
-
-    gap: float
-    pressure_max: float
 
 
 @dataclass(frozen=True)
@@ -85,8 +79,9 @@ class Contact:
         Law of attraction, in the unit of E_star and that of lengths; None without attraction.
     other_branch : OtherBranch or None
         What the same load gives on the other branch; None if that was not requested or not solved.
-    of_grid : GridErrors or None
-        Errors by the grid spacing; None if no coarser grid was solved.
+    gap_discretisation : float or None
+        Estimated relative error of the mean gap by the grid spacing; None if no coarser grid was
+        solved.
     dents : ndarray or None
         Depth of the dents that this load and those before have left, in the program's unit, local
         slab of the surface; None unless dents stay (load.history).
@@ -108,7 +103,7 @@ class Contact:
     hardness: float | None = None
     attraction: Law | None = None
     other_branch: OtherBranch | None = None
-    of_grid: GridErrors | None = None
+    gap_discretisation: float | None = None
     dents: np.ndarray | None = None
 
     @property
@@ -353,35 +348,21 @@ class Contact:
         return {}
 
     @cached_property
-    def edges(self) -> tuple[int, int]:
-        """Number of grid-cell sides between contact and open points along (x, y), over all ranks,
-        across periodic borders but not at free edges. Collective at first use.
+    def edges(self) -> EdgeSides:
+        """The edge of the contact, in sides of grid cells. Collective at first use."""
+        return edge_sides(self)
+
+    @cached_property
+    def peak(self) -> Peak:
+        """The largest pressure and those beside it, in the program's units. Collective at first
+        use.
         """
-        grid = self.grid
-        rows, points = grid.inside
-        starts = np.minimum(grid.starts, grid.nominal[0])
-        g, p = (next_row(grid.comm, field[:rows], starts) for field in (self.g, self.p))
-        below = ((g <= 0) & (p > 0))[None, :points]
-        around_x, around_y = self.periodic
-        if not around_x and grid.nominal_rows[1] == grid.nominal[0]:
-            below = below[:0]
-
-        def edges(i0: int, i1: int) -> tuple[int, int]:
-            touching = self.touching(i0, min(i1 + 1, rows))  # with the row below
-            touching = np.concatenate([touching, below]) if i1 == rows else touching
-            along_y = np.count_nonzero(touching[1:] != touching[:-1])
-            touching = touching[: i1 - i0]
-            along_x = np.count_nonzero(touching[:, 1:] != touching[:, :-1])
-            along_x += around_y * np.count_nonzero(touching[:, 0] != touching[:, -1])
-            return int(along_x), int(along_y)
-
-        along_x, along_y = grid.comm.sum(added(grid.by_rows(edges, rows), 2))
-        return int(along_x), int(along_y)
+        return peak_of(self)
 
     @property
     def boundary_segments(self) -> int:
         """Number of grid-cell sides between contact and open points. Collective at first use."""
-        return sum(self.edges)
+        return self.edges.along_x + self.edges.along_y
 
     def field(self, name: str) -> LazyField:
         """Return a field as a local slab that is computed when it is sliced, a few rows at a time.

@@ -31,7 +31,7 @@ def perimeter(contact: Contact) -> float:
     Sides between contact and open points are 4/pi times the length of an edge without preferred
     direction (Cauchy and Crofton); contacts along one axis only count them fully.
     """
-    along_x, along_y = contact.edges
+    along_x, along_y, *_ = contact.edges
     a_x, a_y = contact.grid.spacings
     return average_direction(contact) * (along_x * a_x + along_y * a_y)
 

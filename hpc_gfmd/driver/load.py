@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..contact.contact import GridErrors
     from .grid_errors import CoarseContact
 
 
@@ -55,5 +54,5 @@ class Unfinished(NamedTuple):
     # Its contacts on coarser grids, which tell the errors by the grid; empty if it started from the
     # load before.
     coarser: Sequence[CoarseContact] = ()
-    # the errors by the grid of the load before then, or of this gap
-    of_grid: GridErrors | None = None
+    # error of the mean gap by the grid, of the load before then or of this gap
+    gap_discretisation: float | None = None

@@ -20,7 +20,7 @@ from ..util.errors import SceneError
 from .branches import CYCLE, SaddleGuard, compared
 from .contact_model import ContactModel
 from .drive import drive
-from .grid_errors import grid_errors
+from .grid_errors import gap_discretisation
 from .load import Load, Unfinished
 from .low_memory import LowMemorySurface
 from .precision import DOUBLE, first_precision, needs_double
@@ -31,7 +31,7 @@ from .without_iterations import flat_contact, separated_contact
 from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
-    from ..contact.contact import Contact, GridErrors
+    from ..contact.contact import Contact
     from ..scene import LoadTable, SolverTable
     from ..surface import Precision, Surface
     from .drive import Watch
@@ -73,7 +73,8 @@ class Sweep:
         self._failed = False  # whether the load before has no solution
         self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
         self.coarser: Sequence[CoarseContact] = ()
-        self._of_grid: GridErrors | None = None  # of the last load with a nested start
+        # of the last load with a nested start
+        self._gap_discretisation: float | None = None
         self._work_in(first_precision(settings, model, table))
 
     def _work_in(self, precision: Precision) -> None:
@@ -214,14 +215,15 @@ class Sweep:
                 starter.forget()
             return None
         if unfinished is not None:
-            self.coarser, self._of_grid = unfinished.coarser, unfinished.of_grid
-        return self._with_grid_errors(contact)
+            self.coarser = unfinished.coarser
+            self._gap_discretisation = unfinished.gap_discretisation
+        return self._with_grid_error(contact)
 
-    def _with_grid_errors(self, contact: Contact) -> Contact:
-        """Return a contact with errors by the grid, its own or those of the load before."""
+    def _with_grid_error(self, contact: Contact) -> Contact:
+        """Return a contact with the error of its gap by the grid, or that of the load before."""
         if self.coarser:
-            self._of_grid = grid_errors(contact, self.coarser)
-        return replace(contact, of_grid=self._of_grid)
+            self._gap_discretisation = gap_discretisation(contact, self.coarser)
+        return replace(contact, gap_discretisation=self._gap_discretisation)
 
     def _stays_separated(self, load: Load) -> bool:
         """Return whether bodies that have come apart stay so at a mean gap or approach."""

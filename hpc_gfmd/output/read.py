@@ -17,8 +17,8 @@ from .result import FORMAT_VERSION, Result
 FORMAT = "hpc-gfmd"
 CHECKPOINT = "hpc-gfmd checkpoint"  # the gap of a stopped load, on the solver's grid
 MEMORY = "hpc-gfmd memory"  # what the loads up to one left at each point
-NUMBERS = {  # that a state has at least; coarser: of CoarseContacts, of_grid: of GridErrors
-    CHECKPOINT: {"p", "seconds", "iterations", "fft_pairs", "coarser", "of_grid"},
+NUMBERS = {  # that a state has at least; on_coarser_grids: CoarseContacts
+    CHECKPOINT: {"p", "seconds", "iterations", "fft_pairs", "on_coarser_grids"},
     MEMORY: set(),
 }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 from operator import attrgetter
@@ -128,7 +127,7 @@ class Sampler:
             if k not in self.gaps:
                 self.gaps[k] = self._gap_at_touch(run.surface)
             steps = map(attrgetter("numbers"), run.solve())
-            points = _points_of(run.surface)
+            points = run.surface.grid.N / run.surface.images  # images touch together
             return [_of_interface(step, scene.material.E_star, points) for step in steps]
 
     def _gap_at_touch(self, surface: Surface) -> float:
@@ -159,15 +158,6 @@ def _has_scenes(surfaces: Sequence[Any], keys: Mapping[str, Any]) -> bool:
             f"surfaces: found scenes beside {beside}, allowed: scenes alone, which say all"
         )
     return any(scenes)
-
-
-def _points_of(surface: Surface) -> float:
-    """Return the number of points of a surface, without mirror images, which touch together, and
-    with one along an axis along which it does not vary.
-    """
-    notes = [note for note in surface.prepared if note.startswith("mirrored")]
-    images = [4 if note == "mirrored" else 2 for note in notes]
-    return surface.grid.N / math.prod(images)
 
 
 def _of_interface(step: dict[str, Any], E_star: float, points: float) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from ..contact import (
 )
 from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
+from ..contact.peak import pressure_max_discretisation
 from ..contact.response import DUALITY
 from ..driver.branches import APPROACH
 from ..driver.contact_model import ContactModel
@@ -345,11 +346,9 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
         "wall_seconds": seconds,
         "status": contact.status,
         "a_r_error": area,
-        "a_r_discretisation": float(a_r_discretisation(contact)),
-        "gap_discretisation": None if contact.of_grid is None else contact.of_grid.gap,
-        "pressure_max_discretisation": (
-            None if contact.of_grid is None else contact.of_grid.pressure_max
-        ),
+        "a_r_discretisation": a_r_discretisation(contact),
+        "gap_discretisation": contact.gap_discretisation,
+        "pressure_max_discretisation": pressure_max_discretisation(contact),
         "p_error": contact.certificate.p0_error,
         "gap_error": gap,
         "pressure_error": pressure,

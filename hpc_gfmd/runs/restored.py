@@ -38,6 +38,7 @@ def restored_contact(result: Result) -> Contact:
     surface = Surface(
         grid, None, (n_x, n_y), attributes["h_rms"], attributes["g_rms"], rows=(0, n_x)
     )
+    surface = replace(surface, prepared=tuple(attributes.get("prepared") or ()))
     if heights is not None:
         surface = replace(surface, h=heights / -surface.height_unit)
     E_star = scene.material.E_star

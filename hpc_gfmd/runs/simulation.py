@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from ..contact import all_numbers
-from ..contact.contact import GridErrors
 from ..contact.fields import heights_of
 from ..driver.grid_errors import CoarseContact
 from ..driver.history import History
@@ -272,8 +271,8 @@ class _Recorder:
                 "seconds": load.seconds,
                 "iterations": contact.iterations,
                 "fft_pairs": contact.fft_pairs,
-                "coarser": np.ravel(self.run.sweep.coarser).tolist(),
-                "of_grid": list(contact.of_grid or ()),
+                "on_coarser_grids": np.ravel(self.run.sweep.coarser).tolist(),
+                "gap_discretisation": contact.gap_discretisation,
             }
             gap = {"gap": contact.g}
             self.file.write_state(CHECKPOINT, load.index, gap, numbers, contact.grid)
@@ -289,13 +288,19 @@ class _Recorder:
                 raise SceneError(f"{checkpoint.path}: of another grid, allowed: the same")
             gap = checkpoint.fields[0]["gap"].slab(grid.comm, grid.rows)
             numbers = checkpoint.steps[0]
-            coarser = [CoarseContact(*three) for three in np.reshape(numbers["coarser"], (-1, 3))]
-            of_grid = GridErrors(*numbers["of_grid"]) if numbers["of_grid"] else None
+            coarser = [
+                CoarseContact(*two) for two in np.reshape(numbers["on_coarser_grids"], (-1, 2))
+            ]
         except (GfmdError, ValueError, TypeError, KeyError) as error:
             self.reporter.say(f"note: {error}; load {index + 1} begins anew")
             return None
         unfinished = Unfinished(
-            gap, numbers["p"], numbers["iterations"], numbers["fft_pairs"], coarser, of_grid
+            gap,
+            numbers["p"],
+            numbers["iterations"],
+            numbers["fft_pairs"],
+            coarser,
+            numbers.get("gap_discretisation"),
         )
         return unfinished, numbers["seconds"]
 

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 from ..contact import all_numbers, observables_named
 from ..output.result import Result
 from ..output.summary import converged, estimate, is_number, pull_off_line, surface_line
-from ..scene import each
 from ..util.quantities import in_units, prefixed
 
 NARROWEST = 9  # width of columns whose later rows are not known yet
@@ -17,13 +16,9 @@ CORRECTED = (
     "a_r: share of grid points in contact, too large by what points at the edge of the contact add;"
     " corrected: without them"
 )
-NO_COARSER_GRID = "no coarser grid was solved, of gaps and pressures it is the solver's alone"
-EDGES = (
-    "max p: of a grid point; where the contact reaches a free edge it grows without limit on finer"
-    " grids"
-)
-RIDGES = (
-    "max p: of a grid point; where the contact reaches a ridge between mirror images it grows"
+NO_COARSER_GRID = "no coarser grid was solved, of the mean gap it is the solver's alone"
+NO_LIMIT = (
+    "max p +- ?: where the contact reaches a free edge or a ridge between mirror images it grows"
     " without limit on finer grids"
 )
 
@@ -192,8 +187,6 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
     value = value if scale == 1 else value / scale
     if number_format := FORMATS.get(key):
         return f"{value:{number_format}}" if value < 1000 else f"{value:.0f}"
-    if key == "contact_pressure_max" and _has_value(step.get("approach")):
-        return f"{float(f'{value:.2g}'):g}"  # EDGES
     return estimate(value, key, step) if isinstance(value, float) else str(value)
 
 
@@ -210,14 +203,8 @@ def remarks(steps: Mapping[int, dict], surface: dict, observables: Sequence[str]
         lines[0] += f"; {steps_text if len(unknown) < len(steps) else ''}{NO_COARSER_GRID}"
     if any(_has_value(step.get("a_r_corrected")) for step in steps.values()):
         lines.append(CORRECTED)
-    if any(
-        _has_value(step.get("approach")) and _has_value(step.get("contact_pressure_max"))
-        for step in steps.values()
-    ):
-        lines.append(EDGES)
-    is_mirrored = any(note.startswith("mirrored") for note in each(surface.get("prepared") or ()))
-    if is_mirrored and any(_has_value(step.get("contact_pressure_max")) for step in steps.values()):
-        lines.append(RIDGES)
+    if any(step.get("pressure_max_discretisation") == inf for step in steps.values()):
+        lines.append(NO_LIMIT)
     if pull_off := pull_off_line([*steps.values()], surface):
         lines.append(pull_off)
     numbers_of_note: dict[str, list[str]] = {}

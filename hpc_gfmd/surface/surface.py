@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -11,6 +12,13 @@ from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
 from ..util.errors import SurfaceWarning
 from .doubtful_numbers import slope_notes
+
+# the line of `prepared` for a map with its mirror images, by the axes along which it has them
+MIRRORED = {
+    (True, True): "mirrored",
+    (True, False): "mirrored along x",
+    (False, True): "mirrored along y",
+}
 
 
 @dataclass(frozen=True)
@@ -39,6 +47,18 @@ class Surface:
     def sizes(self) -> tuple[float, ...]:
         """(L_x, L_y) of the surface, in m or without a unit."""
         return self.grid.nominal_sizes
+
+    @property
+    def mirrored(self) -> tuple[bool, bool]:
+        """Axes along which the surface is a map and its mirror image."""
+        axes = (axes for axes, line in MIRRORED.items() if line in self.prepared)
+        return next(axes, (False, False))
+
+    @property
+    def images(self) -> int:
+        """How often the points of the grid hold the map, itself and mirror images."""
+        along = zip(self.mirrored, self.grid.nominal, strict=True)
+        return prod(2 for mirrored, n in along if mirrored and n > 1)
 
     @property
     def notes(self) -> tuple[SurfaceWarning, ...]:

@@ -24,6 +24,7 @@ from .files import open_map
 from .heights import Rows, StoredRows, collected, require_finite
 from .map_units import MapUnits, lengths_text, units_of
 from .metadata import Metadata
+from .surface import MIRRORED
 from .two_scans import ALIKE, combined, placed
 
 SQUARE = 0.01  # relative difference of spacings of square points, at most
@@ -85,14 +86,14 @@ class Topography:
         return replace(self, prepared=(*self.prepared, step), **changes)
 
     def on_form(self, radii: tuple[float, ...]) -> Self:
-        """Return a copy on the paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about (n_x // 2, n_y //
-        2); radii in the unit of `sizes`, inf is straight.
+        """Return a copy on the paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre, which
+        lies between points of an even number; radii in the unit of `sizes`, inf is straight.
         """
         R = min(radii)
         if R == inf:
             return self
         x, y = (
-            ((np.arange(k) - k // 2) * (size / k)) ** 2 * (R / radius)
+            ((np.arange(k) - (k - 1) / 2) * (size / k)) ** 2 * (R / radius)
             for k, size, radius in zip(self.n, self.sizes, radii)
         )
 
@@ -120,7 +121,7 @@ class Topography:
             return z
 
         return self.after(
-            "mirrored" if all(along) else f"mirrored along {'x' if along[0] else 'y'}",
+            MIRRORED[along],
             n=n,
             sizes=tuple(size * copy for size, copy in zip(self.sizes, copies)),
             rows=rows,

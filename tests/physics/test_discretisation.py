@@ -38,27 +38,27 @@ def sphere(n):
 
 @pytest.mark.parametrize("a", [0.1, 0.2])
 def test_hertz(a):
-    """Errors of a single circle have random signs and are within 1.5 estimates, which are not much
+    """Errors of a single circle have random signs and are within the estimates, which are not much
     too large."""
     grids = (48, 65, 96, 129, 192, 255)
     error, estimate = errors_and_estimates(sphere, 4 / 3 * a**3, grids, 512).T
-    assert (np.abs(error) < 1.5 * estimate).all()
-    assert np.sqrt(np.mean(error**2)) > 0.3 * np.sqrt(np.mean(estimate**2))
+    assert (np.abs(error) < estimate).all()
+    assert np.sqrt(np.mean(error**2)) > 0.2 * np.sqrt(np.mean(estimate**2))
     assert (np.diff(estimate) < 0).all()
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
 @pytest.mark.parametrize("p_star", [0.02, 0.35])
 def test_rough(hurst, p_star):
-    """Areas at lam_s/a = 2, 4, 8 are too large by about the estimate, which falls by almost half on
-    a grid twice as fine."""
+    """Areas at lam_s/a = 2, 4, 8 are too large by most of the estimate, which falls by almost half
+    on a grid twice as fine."""
     p = p_star * sweep_of(rough((1, 16, 2), hurst)).surface.g_rms
 
     def surface(lam_s_over_a):
         return rough((1, 16, lam_s_over_a), hurst)
 
     error, estimate = errors_and_estimates(surface, p, (2, 4, 8), 16).T
-    assert ((error > 0.55 * estimate) & (error < 1.25 * estimate)).all()
+    assert ((error > 0.4 * estimate) & (error < estimate)).all()
     assert (estimate[1:] < 0.75 * estimate[:-1]).all()
 
 
@@ -91,6 +91,71 @@ def test_the_mean_pressure_of_a_profile():
             error = exact / solution.contact_pressure_mean - 1
             shares.append(error / above if error > 0 else -error / below)
     assert 0.5 < max(shares) <= 1
+
+
+def waves(seed, shortest=5):
+    """Return a function n -> heights of shape (n, n) of a piece of size 1 of a random sum of waves
+    with slopes of about 0.1."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(-shortest, shortest + 1) / 2
+    q = np.hypot(k[:, None], k)
+    amplitudes = np.where((q > 0) & (q <= shortest / 2), np.maximum(q, 1e-9) ** -1.8, 0)
+    c = amplitudes * np.exp(2j * np.pi * rng.random(q.shape))
+
+    def heights(n):
+        along = np.exp(2j * np.pi * np.outer((np.arange(n) + 0.5) / n, k))
+        return 0.01 * (along @ c @ along.T).real
+
+    return heights
+
+
+@pytest.mark.parametrize("boundary", ["mirror", "free"])
+def test_areas_of_pieces_are_within_their_bars(boundary):
+    """Images share the chance of how their edges lie on the grid; sides at free edges count as
+    those to open points do."""
+    shares = []
+    for seed in range(8):
+        heights = waves(seed)
+        for p in (0.001, 0.01):
+            keys = {"boundary": boundary, "physical_sizes": (1.0, 1.0)}
+            finest = hpc_gfmd.solve(heights(256), p, **keys)
+            for n in (24, 32, 48, 64):
+                found = hpc_gfmd.solve(heights(n), p, **keys)
+                step = found.result.steps[0]
+                for name in ("a_r", "a_r_corrected"):
+                    error = finest.a_r_corrected / step[name] - 1
+                    below, above = error_bars(name, step)
+                    shares.append(error / above if error > 0 else -error / below)
+    assert 0.5 < max(shares) <= 1
+    assert np.mean(shares) > 0.2
+
+
+@pytest.mark.parametrize("points", [6, 8, 16])
+def test_a_peak_between_points(points):
+    """In full contact the largest pressure of a wave is known: its bar contains that however the
+    wave lies on the grid, and is hardly larger where the peak is halfway between points."""
+    n = 48
+    amplitude = 0.01 * points / n / np.pi
+    highest = 0.02  # the mean pressure, 0.01, and as much of the wave
+    shares = []
+    for phase in np.linspace(0, 1, 9):
+        x = (np.arange(n) + phase) / points
+        wave = amplitude * np.cos(2 * np.pi * x)[:, None]
+        found = hpc_gfmd.solve(wave, 0.01, boundary="periodic", physical_sizes=(1.0, 1.0))
+        bar = combined_error("contact_pressure_max", found.result.steps[0])
+        shares.append((highest / found.contact_pressure_max - 1) / bar)
+    assert shares[0] == pytest.approx(0, abs=0.02)
+    assert 0.7 < max(shares) == shares[4] <= 1
+
+
+def test_a_ball_is_about_the_centre():
+    """So that a piece of roughness on it has the same contact on even and odd numbers of points."""
+    even, odd = (
+        hpc_gfmd.solve(waves(3)(n), 0.01, boundary="free", physical_sizes=(1.0, 1.0), radius=2.0)
+        for n in (48, 49)
+    )
+    assert even.gap_mean == pytest.approx(odd.gap_mean, rel=1e-3)
+    assert even.approach == pytest.approx(odd.approach, rel=1e-3)
 
 
 def solve(z, sizes):

@@ -95,7 +95,7 @@ def test_cylinder(axis):
     n = 256
     R = 10.0
     a = 0.3
-    x = (np.arange(n) - n // 2) / n
+    x = (np.arange(n) + 0.5) / n - 0.5
     F = pi * a * a / (4 * R)
     across = slice(None, None, -1 if axis else 1)
     surface = {"kind": "wave", "amplitude": 0.0, "n": [n, 12][across], "radius": [R, inf][across]}

@@ -459,7 +459,7 @@ def test_bars_are_those_of_the_table():
         for value, step, ends in zip(sweep.values(name), sweep.steps, lines.get_segments()):
             below, above = error_bars(name, step)
             np.testing.assert_allclose(ends[:, 1], [value * (1 - below), value * (1 + above)])
-            assert (above < 0.5 * below) == (name == "a_r")
+            assert (above < 0.9 * below) == (name == "a_r")
 
 
 def test_many_results_are_drawn_as_mean_and_scatter():

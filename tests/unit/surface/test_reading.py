@@ -367,7 +367,7 @@ def test_keys_of_prepared_surfaces(tmp_path):
         with refused(r"found (1 mm|0 um), allowed: a plain number, as the sizes"):
             hpc_gfmd.prepare_surface(Z, boundary="free", **keys)
     ball = hpc_gfmd.prepare_surface(nm_map, boundary="free", radius="1 mm")
-    x, y = ((np.arange(k) - k // 2) * L / k for k, L in zip(N, SIZES))
+    x, y = (((np.arange(k) + 0.5) / k - 0.5) * L for k, L in zip(N, SIZES))
     form = (x[:, None] ** 2 + y**2) / 2e-3
     assert np.allclose(ball.heights, Z - form, rtol=0, atol=1e-16)
     assert ball.prepared == ("on a form of radius 1 mm",)
