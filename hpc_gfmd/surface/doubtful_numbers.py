@@ -1,4 +1,6 @@
-"""Notes on loads, moduli and slopes that suggest a mistake in the units."""
+"""Notes on numbers that suggest a mistake: wrong units, and stand-ins for missing heights."""
+
+import numpy as np
 
 from ..util.errors import SurfaceWarning
 
@@ -16,6 +18,29 @@ def slope_notes(g_rms: float, measured: bool) -> list[SurfaceWarning]:
         return [SurfaceWarning(f"g_rms = {g_rms:.2g}: heights and sizes {DIFFERENT_UNITS}")]
     if g_rms > SMALL_SLOPE:
         return [SurfaceWarning(f"g_rms = {g_rms:.3g}: the theory is that of small slopes")]
+    return []
+
+
+def stand_in_notes(z: np.ndarray) -> list[SurfaceWarning]:
+    """Return a note on a whole number that several points of a map as it is read have in common,
+    further from all others than these from each other: it may stand for missing points.
+    """
+    lowest = np.fmin.reduce(z, axis=None)
+    highest = np.fmax.reduce(z, axis=None)
+    for number in (lowest, highest):
+        others = z != number
+        count = np.count_nonzero(z == number)
+        low = np.fmin.reduce(z, axis=None, where=others, initial=highest)
+        high = np.fmax.reduce(z, axis=None, where=others, initial=lowest)
+        apart = max(low - lowest, highest - high)
+        if count > 1 and float(number).is_integer() and apart > high - low > 0:
+            text = f"{number:.15g}"
+            note = (
+                f"{count} points are {text}, all others {low:g} to {high:g}: does it stand for"
+                " missing points? They are pressed as they are;"
+                f' missing = ["{text}"] and fill = "harmonic" replace them'
+            )
+            return [SurfaceWarning(note)]
     return []
 
 

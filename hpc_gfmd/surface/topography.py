@@ -20,6 +20,7 @@ from ..util.errors import (
     one_line,
 )
 from ..util.quantities import Quantity
+from .doubtful_numbers import stand_in_notes
 from .files import open_map
 from .heights import Rows, StoredRows, collected, require_finite
 from .map_units import MapUnits, lengths_text, units_of
@@ -192,6 +193,8 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
 
     is_read = isinstance(data, np.ndarray) and not isinstance(data, np.memmap)
     notes = (*_notes_on_reading(metadata, spec, n), *units.notes, *_notes_on_sizes(n, units))
+    if is_read and not metadata.missing:
+        notes += tuple(stand_in_notes(data))
     return Topography(
         n,
         units.sizes,

@@ -1,6 +1,8 @@
 """Text files of heights in many layouts: read as by NumPy, to the bit, or refused where NumPy would
 read something else than was written."""
 
+import re
+import warnings
 from io import StringIO
 from pathlib import Path
 
@@ -10,6 +12,9 @@ from contacts import opened, random_heights
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from refusal import refused
+
+import hpc_gfmd
+from hpc_gfmd.util.errors import SurfaceWarning
 
 Z = np.round(20 * random_heights((240, 6)), 4)  # more lines than those that decide the layout
 KEYS = {"physical_sizes": (24.0, 0.6)}
@@ -92,3 +97,30 @@ def test_damage_is_refused(line):
         Path("z.txt").write_text("\n".join(lines) + "\n")
         with refused("surface.path"):
             opened("z.txt", **KEYS).rows(0, 239)
+
+
+@pytest.mark.parametrize(("number", "text"), [(-9999, "-9999"), (1e38, "1e+38"), (999, "999")])
+def test_a_number_that_may_stand_for_missing_points(tmp_path, number, text):
+    """One that several points have, further from all others than these from each other."""
+    z = np.random.default_rng(0).normal(size=(8, 8)).round(3)
+    z[2:4, 5] = number
+    np.savetxt(tmp_path / "z.txt", z, fmt="%.6g")
+    keys = {"physical_sizes": (1.0, 1.0), "boundary": "mirror"}
+    with pytest.warns(SurfaceWarning, match=f"2 points are {re.escape(text)}, all others"):
+        hpc_gfmd.read_surface(tmp_path / "z.txt", **keys)
+    filled = hpc_gfmd.read_surface(tmp_path / "z.txt", missing=[text], fill="harmonic", **keys)
+    assert np.abs(filled.heights).max() < 10
+    assert not any("stand for" in note for note in filled.notes)
+
+
+@pytest.mark.parametrize("deep", [[-9999.0], [-4.0, -4.5], [-50.25, -50.25]])
+def test_deep_points_are_no_stand_ins(tmp_path, deep):
+    """A single one, several of different depths, and a bottom that is no whole number."""
+    z = np.random.default_rng(0).normal(size=(8, 8)).round(3)
+    z[0, : len(deep)] = deep
+    np.savetxt(tmp_path / "z.txt", z)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        keys = {"physical_sizes": (1.0, 1.0), "boundary": "mirror"}
+        surface = hpc_gfmd.read_surface(tmp_path / "z.txt", **keys)
+    assert not any("stand for" in note for note in surface.notes)
