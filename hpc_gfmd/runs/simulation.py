@@ -18,14 +18,11 @@ import numpy as np
 
 from ..contact import all_numbers
 from ..contact.fields import heights_of
-from ..driver.grid_errors import CoarseContact
-from ..driver.history import History
-from ..driver.load import Unfinished
 from ..driver.precision_forecast import first_of_scene, precisions
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import clear, has_begun, is_held, of_earlier_version, partial_folder
-from ..output.read import CHECKPOINT, MEMORY, read_partial, read_result
+from ..output.read import read_partial, read_result
 from ..output.record import RunFile
 from ..output.result import Result
 from ..output.summary import surface_line
@@ -37,13 +34,14 @@ from ..parallel.world import comm_of, world
 from ..scene import Scene, load_scene, with_overrides
 from ..surface import Surface, grid_of
 from ..surface.number_range import field_dtype
-from ..util.errors import GfmdError, SceneError
+from ..util.errors import SceneError
 from ..util.versions import versions
 from .in_memory import surfaces_of_scene
 from .loads import Run, SolvedLoad, check, step_attributes, worst_status
 from .memory import require_memory
 from .progress import Reporter
 from .solutions import Solutions
+from .states import forget, keep_gap, recall, remember, unfinished_load
 
 
 def run_scene(
@@ -218,11 +216,12 @@ class _Recorder:
         """Solve and write these loads, one that has to stop with its gap alone. Collective."""
         run = self.run
         if run.history is not None and missing[0] > 0:
-            self._recall(run.history, missing[0] - 1)
-        for load in run.solve(missing, self.interrupt.poll, self._unfinished):
+            recall(self.file, run.history, missing[0] - 1, self.reporter.say)
+        unfinished = partial(unfinished_load, self.file, run.surface.grid, self.reporter.say)
+        for load in run.solve(missing, self.interrupt.poll, unfinished):
             index = load.index
             if load.contact.status == "interrupted":
-                self._keep_gap(load)
+                keep_gap(self.file, load, run.sweep.coarser)
                 count = load.contact.iterations
                 plural = "s" * (count != 1)
                 self.unfinished = f", load {index + 1} after {count} iteration{plural}"
@@ -240,69 +239,11 @@ class _Recorder:
         names = self.scene.output.fields
         fields: dict[str, Any] = {name: contact.field(name) for name in names if name in FIELDS}
         history = self.run.history
-        # a surface that varies along one axis only is solved again, which takes no time
-        if history is not None and contact.surface.reduced_axis is None:
-            self.file.write_state(MEMORY, load.index, history.memory.fields(), history.numbers())
+        if history is not None:
+            remember(self.file, history, load)
         self.file.write_step(load.index, load.numbers, fields)
         if history is not None:
-            self.file.forget_state(MEMORY, load.index - 1)
-
-    def _recall(self, history: History, index: int) -> None:
-        """Take up what loads up to `index` left; only a note if it is unreadable. Collective."""
-        grid = history.surface.grid
-        try:
-            stored = self.file.state(MEMORY, index)
-            if stored is None:
-                return
-            fields = {
-                name: field.slab(grid.comm, history.surface.rows)
-                for name, field in stored.fields[0].items()
-            }
-            history.restore(fields, stored.steps[0])
-        except (GfmdError, ValueError, TypeError, KeyError) as error:
-            self.reporter.say(f"note: {error}; the loads before load {index + 2} are solved again")
-
-    def _keep_gap(self, load: SolvedLoad) -> None:
-        """Write the gap of a stopped load unless it takes no time (one axis only). Collective."""
-        contact = load.contact
-        if contact.surface.reduced_axis is None:
-            numbers = {
-                "p": contact.p_mean,
-                "seconds": load.seconds,
-                "iterations": contact.iterations,
-                "fft_pairs": contact.fft_pairs,
-                "on_coarser_grids": np.ravel(self.run.sweep.coarser).tolist(),
-                "gap_discretisation": contact.gap_discretisation,
-            }
-            gap = {"gap": contact.g}
-            self.file.write_state(CHECKPOINT, load.index, gap, numbers, contact.grid)
-
-    def _unfinished(self, index: int) -> tuple[Unfinished, float] | None:
-        """Return (state, seconds) of a stopped load; None, with a note if unusable. Collective."""
-        grid = self.run.surface.grid
-        try:
-            checkpoint = self.file.state(CHECKPOINT, index)
-            if checkpoint is None or checkpoint.indices != [index]:
-                return None
-            if checkpoint.surface["n"] != list(grid.n):
-                raise SceneError(f"{checkpoint.path}: of another grid, allowed: the same")
-            gap = checkpoint.fields[0]["gap"].slab(grid.comm, grid.rows)
-            numbers = checkpoint.steps[0]
-            coarser = [
-                CoarseContact(*two) for two in np.reshape(numbers["on_coarser_grids"], (-1, 2))
-            ]
-        except (GfmdError, ValueError, TypeError, KeyError) as error:
-            self.reporter.say(f"note: {error}; load {index + 1} begins anew")
-            return None
-        unfinished = Unfinished(
-            gap,
-            numbers["p"],
-            numbers["iterations"],
-            numbers["fft_pairs"],
-            coarser,
-            numbers.get("gap_discretisation"),
-        )
-        return unfinished, numbers["seconds"]
+            forget(self.file, load.index - 1)
 
     def _require_storable(self, surface: Surface, *pressures: float) -> None:
         """Raise SceneError if output.dtype = "single" cannot hold the fields at these pressures."""
