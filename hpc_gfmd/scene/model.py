@@ -189,8 +189,8 @@ class Scene(Table):
         """Raise ValueError for a force or approach that the boundary, if given here, excludes."""
         if self.load.force and not any(self.surface.free):
             raise ValueError(
-                "load.force: found periodic boundaries, allowed: with a free boundary (with"
-                " periodic ones: load.pressure)"
+                "load.force: found no free boundary, allowed: with a free boundary (without:"
+                " load.pressure)"
             )
         if self.load.approach and not (all(self.surface.free) or self.material.rigid_base):
             raise ValueError(

@@ -28,10 +28,10 @@ def stand_in_notes(z: np.ndarray) -> list[SurfaceWarning]:
     lowest = np.fmin.reduce(z, axis=None)
     highest = np.fmax.reduce(z, axis=None)
     for number in (lowest, highest):
-        others = z != number
+        is_other = z != number
         count = np.count_nonzero(z == number)
-        low = np.fmin.reduce(z, axis=None, where=others, initial=highest)
-        high = np.fmax.reduce(z, axis=None, where=others, initial=lowest)
+        low = np.fmin.reduce(z, axis=None, where=is_other, initial=highest)
+        high = np.fmax.reduce(z, axis=None, where=is_other, initial=lowest)
         apart = max(low - lowest, highest - high)
         if count > 1 and float(number).is_integer() and apart > high - low > 0:
             text = f"{number:.15g}"

@@ -21,6 +21,11 @@ _ALLOWED = (
     ' nm"] for the lowest and the highest one that there may be'
 )
 
+COLOURS = (
+    "found colours ({}), allowed: one number a point, as instruments export heights; which heights"
+    " colours stand for is not in the file"
+)
+
 
 def read_png(contents: Contents, spec: Any) -> Map:
     """Read a PNG, x right, y down, nan at spec.missing; needs spec.height_range."""
@@ -108,7 +113,7 @@ def _grey(contents: Contents) -> np.ndarray:
 
     with Image.open(contents.source) as picture:
         if picture.mode not in GREY:
-            raise ValueError(f"found colours ({picture.mode}), allowed: one number a point")
+            raise ValueError(COLOURS.format(picture.mode))
         z = np.asarray(picture)
     return z.astype(np.uint16) if picture.mode == "I" else z  # how some versions open 16 bits
 
@@ -121,7 +126,7 @@ def _unpacked(contents: Contents, page: Any) -> np.ndarray:
         raise ValueError("it is packed, and 0 stands for white, allowed: not packed")
     with Image.open(contents.source) as picture:
         if picture.mode not in (*GREY, "F"):
-            raise ValueError(f"found colours ({picture.mode}), allowed: one number a point")
+            raise ValueError(COLOURS.format(picture.mode))
         z = np.asarray(picture)
     numbers = z.astype(page.dtype)
     is_narrower = z.itemsize < numbers.itemsize

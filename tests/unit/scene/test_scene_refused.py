@@ -81,7 +81,7 @@ surface.physical_sizes = 1e-4 | surface.physical_sizes: found 0.0001, allowed: a
 surface = {g_rms = 1, h_rms = 1} | surface: found g_rms and h_rms
 load = {} | load: not given, allowed: one of p_star, pressure, gap_mean, gap_over_h_rms, a_r, force, approach
 load = {a_r = 0.1, gap_mean = 1} | load: found gap_mean and a_r, allowed: one of
-load.force = 1 | load.force: found periodic boundaries, allowed: with a free boundary
+load.force = 1 | load.force: found no free boundary, allowed: with a free boundary
 load.approach = 1 ; surface.boundary = ["free", "periodic"] | load.approach: found a half-space that gives way without end
 solver = {accuracy = 0.1, residual = 0.1} | solver: found accuracy and residual
 material = {E1 = 1, E2 = 1} | material: found E1, E2, allowed: E1, nu1 (a rigid counterface); E_star; E1, nu1, E2, nu2
