@@ -33,7 +33,8 @@ ball = hpc_gfmd.make_surface(
 solutions = hpc_gfmd.solve(ball, force=forces, E_star=E_star)
 
 fig, (profile, spread) = plt.subplots(1, 2, figsize=(7.2, 3), layout="constrained")
-r = np.hypot(*np.meshgrid(*[(np.arange(n) - n // 2) * L / n] * 2))
+x = (np.arange(n) + 0.5) * L / n - L / 2
+r = np.hypot(x[:, None], x)
 rings = np.linspace(0, L / 2, 41)
 hertz = Hertz(R, forces, E_star)
 alphas = h_rms / hertz.approach
