@@ -238,6 +238,9 @@ def test_the_largest_pressure_on_a_ridge_between_mirror_images_has_no_limit():
     assert first == pytest.approx(second, rel=0.01)
     assert first > 0.1 * pressures[-1]
     assert "between mirror images" in pressed.table()
+    assert pressed.result.steps[0]["pressure_max_discretisation"] == np.inf
+    hard = hpc_gfmd.solve(ramp, 1e-4, hardness=pressures[0] / 2, **keys)
+    assert hard.result.steps[0]["pressure_max_discretisation"] == pytest.approx(0, abs=1e-6)
     periodic = hpc_gfmd.solve(ramp, 1e-4, boundary="periodic", physical_sizes=(1.0, 4 / n))
     assert "between mirror images" not in periodic.table()
 
