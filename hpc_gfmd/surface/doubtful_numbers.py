@@ -27,12 +27,14 @@ def stand_in_notes(z: np.ndarray) -> list[SurfaceWarning]:
     """
     lowest = np.fmin.reduce(z, axis=None)
     highest = np.fmax.reduce(z, axis=None)
+    if not np.isfinite([lowest, highest]).all():
+        return []
     for number in (lowest, highest):
         is_other = z != number
+        low = float(np.fmin.reduce(z, axis=None, where=is_other, initial=highest))
+        high = float(np.fmax.reduce(z, axis=None, where=is_other, initial=lowest))
+        apart = max(low - float(lowest), float(highest) - high)
         count = np.count_nonzero(z == number)
-        low = np.fmin.reduce(z, axis=None, where=is_other, initial=highest)
-        high = np.fmax.reduce(z, axis=None, where=is_other, initial=lowest)
-        apart = max(low - lowest, highest - high)
         if count > 1 and float(number).is_integer() and apart > high - low > 0:
             text = f"{number:.15g}"
             note = (

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from refusal import refused
 
 import hpc_gfmd
+from hpc_gfmd.surface.doubtful_numbers import stand_in_notes
 from hpc_gfmd.util.errors import SurfaceWarning
 
 Z = np.round(20 * random_heights((240, 6)), 4)  # more lines than those that decide the layout
@@ -124,3 +125,16 @@ def test_deep_points_are_no_stand_ins(tmp_path, deep):
         keys = {"physical_sizes": (1.0, 1.0), "boundary": "mirror"}
         surface = hpc_gfmd.read_surface(tmp_path / "z.txt", **keys)
     assert not any("stand for" in note for note in surface.notes)
+
+
+def test_stand_ins_of_other_types():
+    """Masked points have no height; numbers of 16 bits are not subtracted in 16 bits."""
+    z = np.random.default_rng(0).integers(-20000, 30000, (8, 8)).astype(np.int16)
+    z[2:4, 5] = -32768
+    assert stand_in_notes(z) == []
+    z //= 4
+    z[2:4, 5] = -32768
+    assert "2 points are -32768" in str(stand_in_notes(z)[0])
+    assert stand_in_notes(np.ma.masked_equal(z, -32768)) == []
+    for empty in (np.nan, np.inf, 0.0):
+        assert stand_in_notes(np.full((4, 4), empty)) == []
