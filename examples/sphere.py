@@ -22,7 +22,7 @@ ball = hpc_gfmd.make_surface("sphere", radius=R, n=(n, n), physical_sizes=(L, L)
 solutions = hpc_gfmd.solve(ball, forces / L**2, E_star)
 
 fig, (profile, radius) = plt.subplots(1, 2, figsize=(7.2, 3), layout="constrained")
-x = (np.arange(n) + 0.5) * L / n - L / 2
+x = (np.arange(n) - n / 2) * L / n
 for k, (F, solution) in enumerate(zip(forces, solutions)):
     hertz = Hertz(R, F, E_star)
     profile.plot(

@@ -43,7 +43,7 @@ def contact_of(g, p=None, sizes=(1.0, 1.0), comm=None, h=None, units=(1.0, 1.0),
         h_rms=0.3 * units[1],
         height_unit=units[1],
         add_spectrum=None,
-        mirrored=(False, False),
+        ridges=(False, False),
         images=1,
     )
     certificate = SimpleNamespace(contact=int(np.sum((g <= 0) & (p > 0))))

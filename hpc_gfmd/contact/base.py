@@ -92,7 +92,8 @@ OF_EVERY_LOAD = {
     "a_r_discretisation": ("estimated relative error of a_r by the size of a grid point", ""),
     "gap_discretisation": ("estimated relative error of gap_mean by the size of a grid point", ""),
     "pressure_max_discretisation": (
-        "estimated relative error of contact_pressure_max by the size of a grid point",
+        "estimated relative error of contact_pressure_max by the size of a grid point; inf where it"
+        " has no limit on finer grids",
         "",
     ),
     "p_error": (ERROR.format("p, where adhesion holds a prescribed gap or approach"), ""),

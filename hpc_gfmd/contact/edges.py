@@ -18,7 +18,7 @@ class EdgeSides(NamedTuple):
     free : int
         Of points in contact, at free edges: beyond them the surface is open.
     mirrored : int
-        Of points in contact, where a map meets its mirror image.
+        Of points in contact, at kinks where a map meets its mirror image.
     """
 
     along_x: int
@@ -71,7 +71,7 @@ def _ridges(contact: Any) -> Lines:
     """Return the rows and columns beside which a map meets its mirror image."""
     along_x, along_y = (
         [0, n // 2 - 1, n // 2, n - 1] if mirrored and n > 1 else []
-        for mirrored, n in zip(contact.surface.mirrored, contact.grid.nominal, strict=True)
+        for mirrored, n in zip(contact.surface.ridges, contact.grid.nominal, strict=True)
     )
     return along_x, along_y
 

@@ -14,7 +14,7 @@ from ..scene import Scene
 from ..scene.height_maps import Reading
 from ..surface import build_surface
 from ..surface.heights import StoredRows, array_of, require_finite
-from ..surface.metadata import Metadata, is_topography, of_topography, unreliable
+from ..surface.metadata import Metadata, is_topography, missing_numbers, of_topography, unreliable
 from ..surface.prepare import prepare
 from ..surface.quality import notes_on
 from ..surface.topography import Topography, open_topography, topography_of
@@ -121,6 +121,8 @@ def _in_memory(
     array = array_of(heights, is_complete)
     if is_complete:
         require_finite(array, 0, "heights")
+    numbers = missing_numbers(scene.surface, "an array")
+    metadata = replace(metadata, missing=(*metadata.missing, *numbers))
     topography = topography_of(array, metadata, scene.surface)
     return replace(topography, notes=(*topography.notes, *doubts)), scene.surface
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..contact import all_numbers, observables_named
 from ..output.result import Result
-from ..output.summary import converged, estimate, is_number, pull_off_line, surface_line
+from ..output.summary import converged, error_bars, estimate, is_number, pull_off_line, surface_line
 from ..util.quantities import in_units, prefixed
 
 NARROWEST = 9  # width of columns whose later rows are not known yet
@@ -21,6 +21,7 @@ NO_LIMIT = (
     "max p +- ?: where the contact reaches a free edge or a ridge between mirror images it grows"
     " without limit on finer grids"
 )
+NO_AREA = "mean p contact +- ?: by its error the area may be 0"
 
 # attribute: heading; a column is left out where no step has a value
 TARGETS = {
@@ -205,6 +206,10 @@ def remarks(steps: Mapping[int, dict], surface: dict, observables: Sequence[str]
         lines.append(CORRECTED)
     if any(step.get("pressure_max_discretisation") == inf for step in steps.values()):
         lines.append(NO_LIMIT)
+    of_pressure = "contact_pressure_mean"
+    touching = [step for step in steps.values() if _has_value(step.get(of_pressure))]
+    if any(inf in (error_bars(of_pressure, step) or ()) for step in touching):
+        lines.append(NO_AREA)
     if pull_off := pull_off_line([*steps.values()], surface):
         lines.append(pull_off)
     numbers_of_note: dict[str, list[str]] = {}

@@ -254,7 +254,7 @@ class Wave(SurfaceTable):
 
 
 class Sphere(SurfaceTable):
-    """The paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell."""
+    """The paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about the point (n_x // 2, n_y // 2)."""
 
     kind: Literal["sphere"]
     radius: Radii = key(

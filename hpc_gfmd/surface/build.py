@@ -93,7 +93,8 @@ def build_surface(
 
 def _on_form(spec: Any, rows: Rows) -> Topography:
     """Return heights, given by rows, on the form of a scene's [surface]."""
-    return Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii)
+    form_alone = spec.kind == "sphere"  # whose summit is a point of the grid
+    return Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii, form_alone)
 
 
 def _made_of_modes(

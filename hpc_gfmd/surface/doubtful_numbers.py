@@ -1,5 +1,7 @@
 """Notes on numbers that suggest a mistake: wrong units, and stand-ins for missing heights."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..util.errors import SurfaceWarning
@@ -21,9 +23,10 @@ def slope_notes(g_rms: float, measured: bool) -> list[SurfaceWarning]:
     return []
 
 
-def stand_in_notes(z: np.ndarray) -> list[SurfaceWarning]:
+def stand_in_notes(z: np.ndarray, missing: Sequence[float] = ()) -> list[SurfaceWarning]:
     """Return a note on a whole number that several points of a map as it is read have in common,
-    further from all others than these from each other: it may stand for missing points.
+    further from all others than these from each other: it may stand for missing points, unless it
+    is known to.
     """
     lowest = np.fmin.reduce(z, axis=None)
     highest = np.fmax.reduce(z, axis=None)
@@ -35,8 +38,11 @@ def stand_in_notes(z: np.ndarray) -> list[SurfaceWarning]:
         high = float(np.fmax.reduce(z, axis=None, where=is_other, initial=lowest))
         apart = max(low - float(lowest), float(highest) - high)
         count = np.count_nonzero(z == number)
-        if count > 1 and float(number).is_integer() and apart > high - low > 0:
+        is_known = float(number) in missing or not float(number).is_integer()
+        if count > 1 and not is_known and apart > high - low > 0:
             text = f"{number:.15g}"
+            if float(text) != number:
+                text = repr(float(number))
             note = (
                 f"{count} points are {text}, all others {low:g} to {high:g}: does it stand for"
                 " missing points? They are pressed as they are;"

@@ -55,6 +55,14 @@ class Surface:
         return next(axes, (False, False))
 
     @property
+    def ridges(self) -> tuple[bool, bool]:
+        """Axes along which the surface has kinks where the map meets its mirror image: not if it is
+        flat, nor if it was resampled after that, which rounds them.
+        """
+        is_resampled = any(line.startswith("resampled") for line in self.prepared)
+        return (False, False) if self.g_rms == 0 or is_resampled else self.mirrored
+
+    @property
     def images(self) -> int:
         """How often the points of the grid hold the map, itself and mirror images."""
         along = zip(self.mirrored, self.grid.nominal, strict=True)

@@ -86,15 +86,17 @@ class Topography:
         """Return a copy with changes by a step of preparation, a line for `prepared`."""
         return replace(self, prepared=(*self.prepared, step), **changes)
 
-    def on_form(self, radii: tuple[float, ...]) -> Self:
+    def on_form(self, radii: tuple[float, ...], at_a_point: bool = False) -> Self:
         """Return a copy on the paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre, which
-        lies between points of an even number; radii in the unit of `sizes`, inf is straight.
+        lies between points of an even number, or `at_a_point`, (n_x // 2, n_y // 2); radii in the
+        unit of `sizes`, inf is straight.
         """
         R = min(radii)
         if R == inf:
             return self
         x, y = (
-            ((np.arange(k) - (k - 1) / 2) * (size / k)) ** 2 * (R / radius)
+            ((np.arange(k) - (k // 2 if at_a_point else (k - 1) / 2)) * (size / k)) ** 2
+            * (R / radius)
             for k, size, radius in zip(self.n, self.sizes, radii)
         )
 
@@ -193,8 +195,8 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
 
     is_read = isinstance(data, np.ndarray) and not isinstance(data, np.memmap)
     notes = (*_notes_on_reading(metadata, spec, n), *units.notes, *_notes_on_sizes(n, units))
-    if is_read and not metadata.missing:
-        notes += tuple(stand_in_notes(data))
+    if is_read and spec.height_range is None:  # else numbers of the file are not heights yet
+        notes += tuple(stand_in_notes(data, metadata.missing))
     return Topography(
         n,
         units.sizes,

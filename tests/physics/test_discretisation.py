@@ -241,6 +241,10 @@ def test_the_largest_pressure_on_a_ridge_between_mirror_images_has_no_limit():
     assert pressed.result.steps[0]["pressure_max_discretisation"] == np.inf
     hard = hpc_gfmd.solve(ramp, 1e-4, hardness=pressures[0] / 2, **keys)
     assert hard.result.steps[0]["pressure_max_discretisation"] == pytest.approx(0, abs=1e-6)
+    refined = hpc_gfmd.prepare_surface(ramp, refine=4, **keys)  # which rounds the ridge
+    assert hpc_gfmd.solve(refined, 1e-4).result.steps[0]["pressure_max_discretisation"] < 1
+    flat = hpc_gfmd.solve(0 * ramp, 1e-4, **keys)
+    assert flat.result.steps[0]["pressure_max_discretisation"] == 0
     periodic = hpc_gfmd.solve(ramp, 1e-4, boundary="periodic", physical_sizes=(1.0, 4 / n))
     assert "between mirror images" not in periodic.table()
 

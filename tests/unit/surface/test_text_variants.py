@@ -100,12 +100,15 @@ def test_damage_is_refused(line):
             opened("z.txt", **KEYS).rows(0, 239)
 
 
-@pytest.mark.parametrize(("number", "text"), [(-9999, "-9999"), (1e38, "1e+38"), (999, "999")])
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [(-9999, "-9999"), (1e38, "1e+38"), (float(np.finfo("f4").max), "3.4028234663852886e+38")],
+)
 def test_a_number_that_may_stand_for_missing_points(tmp_path, number, text):
     """One that several points have, further from all others than these from each other."""
     z = np.random.default_rng(0).normal(size=(8, 8)).round(3)
     z[2:4, 5] = number
-    np.savetxt(tmp_path / "z.txt", z, fmt="%.6g")
+    np.savetxt(tmp_path / "z.txt", z)
     keys = {"physical_sizes": (1.0, 1.0), "boundary": "mirror"}
     with pytest.warns(SurfaceWarning, match=f"2 points are {re.escape(text)}, all others"):
         hpc_gfmd.read_surface(tmp_path / "z.txt", **keys)
@@ -138,3 +141,12 @@ def test_stand_ins_of_other_types():
     assert stand_in_notes(np.ma.masked_equal(z, -32768)) == []
     for empty in (np.nan, np.inf, 0.0):
         assert stand_in_notes(np.full((4, 4), empty)) == []
+
+
+def test_missing_heights_of_an_array():
+    z = np.random.default_rng(0).normal(size=(8, 8))
+    z[2:4, 5] = -9999
+    keys = {"physical_sizes": (1.0, 1.0), "boundary": "mirror", "fill": "harmonic"}
+    with pytest.warns(SurfaceWarning, match="2 points are -9999"):
+        assert hpc_gfmd.prepare_surface(z, **keys).heights.min() == -9999
+    assert hpc_gfmd.prepare_surface(z, missing=["-9999"], **keys).heights.min() > -9
