@@ -217,7 +217,7 @@ class _Recorder:
         run = self.run
         if run.history is not None and missing[0] > 0:
             recall(self.file, run.history, missing[0] - 1, self.reporter.say)
-        unfinished = partial(unfinished_load, self.file, run.surface.grid, self.reporter.say)
+        unfinished = partial(unfinished_load, self.file, run)
         for load in run.solve(missing, self.interrupt.poll, unfinished):
             index = load.index
             if load.contact.status == "interrupted":

@@ -13,9 +13,8 @@ from ..driver.history import History
 from ..driver.load import Unfinished
 from ..output.read import CHECKPOINT, MEMORY
 from ..output.record import RunFile
-from ..parallel.grid import Grid
 from ..util.errors import GfmdError, SceneError
-from .loads import SolvedLoad
+from .loads import Run, SolvedLoad
 
 Say = Callable[[str], None]
 
@@ -36,10 +35,9 @@ def keep_gap(file: RunFile, load: SolvedLoad, coarser: Sequence[CoarseContact]) 
     file.write_state(CHECKPOINT, load.index, {"gap": contact.g}, numbers, contact.grid)
 
 
-def unfinished_load(
-    file: RunFile, grid: Grid, say: Say, index: int
-) -> tuple[Unfinished, float] | None:
+def unfinished_load(file: RunFile, run: Run, index: int) -> tuple[Unfinished, float] | None:
     """Return (state, seconds) of a stopped load; None, with a note if unusable. Collective."""
+    grid = run.surface.grid
     try:
         checkpoint = file.state(CHECKPOINT, index)
         if checkpoint is None or checkpoint.indices != [index]:
@@ -50,7 +48,7 @@ def unfinished_load(
         numbers = checkpoint.steps[0]
         coarser = np.reshape(numbers["on_coarser_grids"], (-1, len(CoarseContact._fields)))
     except (GfmdError, ValueError, TypeError, KeyError) as error:
-        say(f"note: {error}; load {index + 1} begins anew")
+        run.reporter.say(f"note: {error}; load {index + 1} begins anew")
         return None
     unfinished = Unfinished(
         gap,
