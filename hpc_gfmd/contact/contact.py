@@ -354,9 +354,7 @@ class Contact:
 
     @cached_property
     def peak(self) -> Peak:
-        """The largest pressure and those beside it, in the program's units. Collective at first
-        use.
-        """
+        """The largest pressure and those beside it. Collective at first use."""
         return peak_of(self)
 
     @property
