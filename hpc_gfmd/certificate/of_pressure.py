@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class Part(NamedTuple):
     """The pressure on this rank's points of a part of the surface, beyond which it is 0."""
 
-    rows: slice  # local; none on a rank that has none of the part
-    columns: slice  # local
+    rows: slice | np.ndarray  # local, or of each point; none on a rank that has none of the part
+    columns: slice | np.ndarray  # local, or of each point
     p: np.ndarray
     closed: np.ndarray  # bool, which of the points are in contact
 
@@ -116,5 +116,5 @@ def _close(part: Part, g: np.ndarray) -> tuple[float, float]:
     of_part = g[part.rows, part.columns]
     feasible = np.where(part.closed, 0, np.maximum(of_part, 0))
     change = np.subtract(feasible, of_part, dtype=np.float64)
-    of_part[...] = feasible
+    g[part.rows, part.columns] = feasible
     return float(change.max(initial=0.0)), float(np.vdot(change, change))

@@ -1,9 +1,9 @@
 """Where a solver starts at a load: the first gap of a list that applies.
 
 The list: a given gap, the one that single precision has reached, the undeformed body under tension,
-full contact, and coarser grids (nested.py), which solve light contacts with free edges in a box
-(box.py). The undeformed body follows if that has far too much energy. A load close to the one
-before goes on from that instead.
+full contact, and coarser grids (nested.py). The undeformed body follows if that has far too much
+energy. Light contacts are solved in a box (box.py) or on few points (few_points.py). A load close
+to the one before goes on from that instead.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from .box import Box, Rectangle, solved_in
 from .branches import goes_on
 from .certifier import Certifier
 from .drive import drive
+from .few_points import FewPoints
 from .nested import Candidate, Nested, cold_gap, roughly_solved, undeformed_gap
 from .precision import certificate_dtype
 from .target import Target
@@ -29,6 +30,7 @@ from .target import Target
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
     from ..certificate.criterion import StoppingCriterion
+    from ..certificate.of_pressure import Part
     from ..operators.problem import Problem
     from ..solvers.base import Solver
     from .grid_errors import CoarseContact
@@ -47,9 +49,12 @@ WORSE_THAN_UNDEFORMED = 1e3
 # Insensitive: 72 loads of small walls take 20.2, 19.7 and 19.6 pairs at .01, .02 and .04, and reach
 # the same equilibria from .005 to .08.
 WITHOUT_ATTRACTION = 0.02
-# Share of the accuracy that a pressure which the certificate of a box does not compute may take, by
-# which its errors grow. Insensitive: nine light loads of rough balls take at most .006.
+# Share of the accuracy that a pressure which the certificate of a part does not compute may take,
+# by which its errors grow. Insensitive: nine light loads of rough balls take at most .006.
 NEGLECTED = 0.1
+# How often few points are solved, each time with those that penetrated before. Chosen: one or two
+# are enough on the walls of the campaign.
+ROUNDS = 4
 
 
 class Start(NamedTuple):
@@ -133,6 +138,10 @@ class Starter:
         best = next(gaps)
         if best.gap is None:
             return self._start_in_box(target, problem, best)
+        if best.coarser and self._may_be_light(target) and not self.working.saves_memory:
+            start = self._start_on_few_points(target, problem, best)
+            if start is not None:
+                return start
         solver, certifier = self._solver_for(target, problem, best.gap)
         if best.may_be_solved:
             certificate = _certified(solver, certifier, best.gap)
@@ -182,7 +191,9 @@ class Starter:
         solved on this grid if there is none. Collective.
         """
         bare = replace(problem, attraction=None)
-        in_box = in_box and self._may_be_in_box(target)
+        grid = problem.grid
+        is_open = all(m < n for m, n in zip(grid.nominal, grid.n))
+        in_box = in_box and is_open and self._may_be_light(target)
         start = self.working.nested().candidate(bare, self._make, target, memory, in_box)
         if problem.attraction is None:
             may_be_closed = not target.is_sought and target.p0 >= problem.body.full_p_star
@@ -192,14 +203,12 @@ class Starter:
         rough = roughly_solved(bare, self._make, start.gap, WITHOUT_ATTRACTION, Target(problem.p0))
         return Candidate(rough.state.g, start.pairs + rough.pairs)
 
-    # -- in a box
+    # -- light contacts
 
-    def _may_be_in_box(self, target: Target) -> bool:
-        """Return whether a box may hold the contact: an elastic one at a given load, free edges."""
+    def _may_be_light(self, target: Target) -> bool:
+        """Return whether part of the surface may hold the contact: an elastic one, a given load."""
         model = self.working.model
-        grid = self.working.surface.grid
-        is_open = all(m < n for m, n in zip(grid.nominal, grid.n))
-        return is_open and not (target.is_sought or model.attraction or model.hardness)
+        return not (target.is_sought or model.attraction or model.hardness)
 
     def _start_in_box(self, target: Target, problem: Problem, best: Candidate) -> Start:
         """Start from the contact in a box, or in a larger one if points beyond it penetrate."""
@@ -211,27 +220,61 @@ class Starter:
             solved = solved_in(box, problem, nested.grids, self._solve_alone)
             gap = problem.grid.empty(problem.dtype)
             solver, certifier = self._solver_for(target, problem, gap)
-            certificate, neglected = certify_pressure(
-                solver.problem_now,
-                solved.part,
-                solver.state,
-                solver.levels,
-                certifier.dtype,
-                certifier.duality,
-            )
+            certificate, penetrates = self._certified_part(solver, certifier, solved.part)
             pairs += solved.pairs + certificate.pairs
-            penetrating = Rectangle.of(problem.grid, partial(_penetrates, solver))
-            if penetrating is None:
+            if not penetrates:
                 coarser = solved.coarser_of_surface(certificate.gap_mean, best.coarser)
-                if neglected > NEGLECTED * self.criterion.tolerance:
-                    certificate = _certified(solver, certifier, solver.state.g)
-                    pairs += certificate.pairs
                 return Start(solver, certifier, pairs, coarser, certificate)
+            penetrating = Rectangle.of(problem.grid, partial(_penetrates, solver))
             touching = box.touching.joined(penetrating)
             box = Box.around(touching, problem.grid, nested.grids, problem.grid.comm)
         self.forget()
         on_whole = self.start(target, in_box=False)
         return on_whole._replace(pairs=pairs + on_whole.pairs)
+
+    def _start_on_few_points(
+        self, target: Target, problem: Problem, best: Candidate
+    ) -> Start | None:
+        """Start from the contact on few points, again with those that penetrate; None if more than
+        a few touch."""
+        assert best.gap is not None
+        part = FewPoints.solved(problem, best.gap)
+        if part is None:
+            return None
+        solver, certifier = self._solver_for(target, problem, best.gap)
+        pairs = best.pairs
+        for _ in range(ROUNDS):
+            certificate, penetrates = self._certified_part(solver, certifier, part)
+            pairs += certificate.pairs
+            if not penetrates:
+                return Start(solver, certifier, pairs, best.coarser, certificate)
+            part = FewPoints.solved(problem, solver.state.g)
+            if part is None:
+                break
+        certificate = _certified(solver, certifier, solver.state.g)
+        return Start(solver, certifier, pairs + certificate.pairs, best.coarser, certificate)
+
+    def _certified_part(
+        self, solver: Solver, certifier: Certifier, part: Part
+    ) -> tuple[Certificate, bool]:
+        """Set the solver's state to the contact of a part of the surface; return its certificate,
+        and whether points beyond the part penetrate. Collective.
+        """
+        grid = solver.grid
+        certificate, neglected = certify_pressure(
+            solver.problem_now,
+            part,
+            solver.state,
+            solver.levels,
+            certifier.dtype,
+            certifier.duality,
+        )
+        masks = grid.by_rows(partial(_penetrates, solver), grid.inside[0])
+        penetrates = bool(grid.comm.max([any(mask.any() for mask in masks)])[0])
+        if not penetrates and neglected > NEGLECTED * self.criterion.tolerance:
+            again = _certified(solver, certifier, solver.state.g)
+            certificate = replace(again, pairs=certificate.pairs + again.pairs)
+        return certificate, penetrates
 
     def _solve_alone(self, problem: Problem) -> tuple[Solver, float, Sequence[CoarseContact]]:
         """Solve a contact on a grid of its own, as accurately as asked."""

@@ -1,34 +1,40 @@
-"""Light contacts with free edges, solved in a box and on the whole grid, in turn.
+"""Light contacts, on few points or in a box, and by iterations on the whole grid, in turn.
 
 Balls on the unit square, smooth and rough (`roughness` is the rms slope that is added), and a rough
-piece (`roughness` inf, null in rows); radius 1, E* = 1, at the load with about this contact area.
-`over_whole` is the median of the time over that on the whole grid; `pressure_difference` the L2
-norm between both.
+piece (`roughness` inf, null in rows), with free edges; radius 1, E* = 1. Periodic walls of a Hurst
+exponent (`hurst`). Each at the load with about this contact area. `over_whole` is the median of the
+time over that on the whole grid; `pressure_difference` the L2 norm between both.
 """
 
+from contextlib import ExitStack
 from unittest import mock
 
 import numpy as np
 
 import hpc_gfmd
-from hpc_gfmd.driver import box
+from hpc_gfmd.driver import box, few_points
 
 from .contacts import RoughContact, distance, timed_solve
 from .report import Report
 from .timing import in_turn, ratio, summary
 
+WHOLE = [(box, "SMALLEST", np.inf), (few_points, "MOST", 0.0)]  # what nothing fits in
+
 
 def run(args):
-    """Report each contact in a box and on the whole grid."""
+    """Report each contact in both ways."""
     report = Report("light", args.out)
     for n in args.n:
         for roughness in args.roughness:
+            shown = None if np.isinf(roughness) else roughness
             heights = _heights(n, roughness)
-            for a_r in args.a_r:
-                load = hpc_gfmd.solve(heights, a_r=a_r, boundary="free", fields=()).p
-                for row in _rows(heights, load, args.repeats):
-                    shown = None if np.isinf(roughness) else roughness
-                    report.add(n=n, roughness=shown, **row)
+            for row in _rows(heights, args.a_r, args.repeats, boundary="free"):
+                report.add(n=n, roughness=shown, hurst=None, **row)
+    for n in args.n_walls:
+        for hurst in args.hurst:
+            wall = RoughContact(n, 0.0, hurst).surface
+            for row in _rows(wall, args.a_r_walls, args.repeats):
+                report.add(n=n, roughness=None, hurst=hurst, **row)
     report.finish()
 
 
@@ -44,19 +50,22 @@ def _heights(n, roughness):
     return ball + roughness * np.asarray(rough.heights)
 
 
-def _rows(heights, load, repeats):
-    """Yield the rows of a contact in a box and on the whole grid."""
-    smallest = {"box": box.SMALLEST, "whole": np.inf}
-    rows = {name: [] for name in smallest}
-    pressures = {}
-    for name in in_turn(smallest, repeats + 1):
-        with mock.patch.object(box, "SMALLEST", smallest[name]):
-            row, pressures[name] = timed_solve(heights, pressure=load, boundary="free")
-        rows[name].append({"solved": name} | row)
-    rows = {name: series[1:] for name, series in rows.items()}  # the first warms up
-    times = {name: [row["cpu_seconds"] for row in series] for name, series in rows.items()}
-    for name, series in rows.items():
-        yield summary(series) | {
-            "over_whole": ratio(times[name], times["whole"]),
-            "pressure_difference": distance(pressures[name], pressures["whole"]),
-        }
+def _rows(heights, areas, repeats, **how):
+    """Yield the rows of a surface at loads with these areas, solved in both ways."""
+    for a_r in areas:
+        load = hpc_gfmd.solve(heights, a_r=a_r, fields=(), **how).p
+        rows = {"part": [], "whole": []}
+        pressures = {}
+        for name in in_turn(rows, repeats + 1):
+            with ExitStack() as stack:
+                for changed in WHOLE if name == "whole" else ():
+                    stack.enter_context(mock.patch.object(*changed))
+                row, pressures[name] = timed_solve(heights, pressure=load, **how)
+            rows[name].append({"solved": name} | row)
+        rows = {name: series[1:] for name, series in rows.items()}  # the first warms up
+        times = {name: [row["cpu_seconds"] for row in series] for name, series in rows.items()}
+        for name, series in rows.items():
+            yield summary(series) | {
+                "over_whole": ratio(times[name], times["whole"]),
+                "pressure_difference": distance(pressures[name], pressures["whole"]),
+            }

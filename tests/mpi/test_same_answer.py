@@ -68,6 +68,17 @@ def test_a_light_contact_in_a_box(comm, centre, monkeypatch):
     assert_same(comm, contact, Alone(comm, make).solve(3e-5), tolerance=1e-5)
 
 
+@pytest.mark.parametrize("n", [(96, 80), (3, 200), (48, 48)])
+@pytest.mark.parametrize("free", [False, True])
+def test_a_light_contact_on_few_points(comm, n, free):
+    """Rank 0 solves for all; some ranks have none of the points, or no rows."""
+    z = random_heights(n, seed=3)
+    make = partial(sweep_over, z, free=(free, free), accuracy=1e-3)
+    contact = make(comm=comm).solve(1e-2)
+    assert contact.iterations == 0
+    assert_same(comm, contact, Alone(comm, make).solve(1e-2), tolerance=1e-10)
+
+
 with_edges = pytest.mark.parametrize(
     "boundary", ["free", ["free", "periodic"], ["periodic", "free"]]
 )

@@ -137,7 +137,7 @@ def test_wrong_arguments_are_refused(monkeypatch, tmp_path, cli):
 SMALL = {  # of every item that needs no other code
     "process": "--n 32 --threads 1 2",
     "user": "--n 16",
-    "light": "--n 64 --roughness 0.1 --a-r 0.01",
+    "light": "--n 64 --roughness 0.1 --a-r 0.01 --n-walls 64 --hurst 0.8 --a-r-walls 0.005",
     "pairs": "--n 32 64 --surfaces 2 1 --accuracy 1e-2",
     "accuracy": "--n 64 --hurst 0.8 --p-star 0.05 --solvers bpx --accuracy 1e-2 1e-4",
     "scaling": "--n 64 --ranks 1 --threads 1 --precision double",
