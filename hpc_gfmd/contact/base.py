@@ -93,7 +93,7 @@ OF_EVERY_LOAD = {
     "gap_discretisation": ("estimated relative error of gap_mean by the size of a grid point", ""),
     "pressure_max_discretisation": (
         "estimated relative error of contact_pressure_max by the size of a grid point; inf where it"
-        " has no limit on finer grids",
+        " has no limit on finer grids or is not known",
         "",
     ),
     "p_error": (ERROR.format("p, where adhesion holds a prescribed gap or approach"), ""),

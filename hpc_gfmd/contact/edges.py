@@ -55,6 +55,17 @@ def edge_sides(contact: Any) -> EdgeSides:
     return EdgeSides(*map(int, grid.comm.sum(added(grid.by_rows(count, rows), 4))))
 
 
+def reaches_free_edges(contact: Any) -> bool:
+    """Return whether points at free edges are in contact; looks at these alone. Collective."""
+    grid = contact.grid
+    begin, end = grid.nominal_rows
+    rows, columns = _ends(contact)
+    lines = [np.s_[i - begin, : grid.nominal[1]] for i in rows if begin <= i < end]
+    lines += [np.s_[: end - begin, j] for j in columns]
+    touches = any(((contact.g[k] <= 0) & (contact.p[k] > 0)).any() for k in lines)
+    return bool(grid.comm.max([touches])[0])
+
+
 Lines = tuple[list[int], list[int]]  # numbers of rows, of columns
 
 

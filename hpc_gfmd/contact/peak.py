@@ -4,7 +4,8 @@ Where the pressure is a wave of number q, a point p and its neighbours l and r a
 2 p - l - r = 4 p sin^2(q a/2), and a peak halfway between two points is 1/cos(q a/2) times as high
 as these: sqrt(4 p/(2 p + l + r)), along each axis. A pressure is not negative, so that it is at
 most twice as high. Where the contact reaches a free edge, or a ridge between mirror images, it
-grows without limit on finer grids, unless it is the hardness.
+grows without limit on finer grids, unless it is the hardness. On a profile a patch of one or two
+points says nothing of its peak: its load is given, its width is not.
 """
 
 from math import inf, sqrt
@@ -63,8 +64,14 @@ def pressure_max_discretisation(contact: Any) -> float | None:
     peak = contact.peak
     if not peak.p > 0:
         return None
-    has_limit = edges.free == edges.mirrored == 0
+    has_limit = edges.free == edges.mirrored == 0 and not _is_narrow(contact.grid.nominal, peak)
     error = CAUTION * (peak.between_points - 1) if has_limit else inf
     if contact.hardness is not None:
         error = min(error, contact.hardness / contact.pressure_unit / peak.p - 1)
     return max(error, 0.0)
+
+
+def _is_narrow(n: tuple[int, int], peak: Peak) -> bool:
+    """Return whether the peak of a profile is at the edge of its patch."""
+    beside = [neighbours for m, neighbours in zip(n, (peak.along_x, peak.along_y)) if m > 1]
+    return len(beside) == 1 and min(beside[0]) <= 0

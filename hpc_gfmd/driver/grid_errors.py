@@ -3,7 +3,8 @@ change it.
 
 The estimate is the difference from the contact on every second point, or half of that on every
 fourth, if larger, as one difference may vanish by chance; cautious, since most errors fall with the
-square of the spacing. docs/accuracy.md has the measurements.
+square of the spacing. Both may vanish where the error falls with the spacing itself, at free edges
+and on profiles, so that these have a least error, too. docs/accuracy.md has the measurements.
 """
 
 from __future__ import annotations
@@ -13,11 +14,19 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..contact.edges import reaches_free_edges
 from ..parallel.threads import added
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
     from ..solvers.base import Solver
+
+# Least error of the mean gap over g_rms times the spacing, of contacts that reach a free edge and
+# of profiles. Measured on 3,046 pieces of 24 to 64 points a side and 1,653 profiles: half of the
+# errors are below 0.05 and 0.005, 1 in 100 above 0.28 and 0.08. Beyond the estimate are 2 and 8, by
+# up to 1.8 times; without a least error 50 and 31 were, by up to 38 times.
+AT_FREE_EDGES = 0.2
+OF_PROFILES = 0.05
 
 
 class CoarseContact(NamedTuple):
@@ -54,7 +63,11 @@ def gap_discretisation(contact: Contact, coarser: Sequence[CoarseContact]) -> fl
     gap = contact.certificate.gap_mean
     if not (coarser and contact.contact_points > 0 and p0 > 0 and gap > 0):
         return None
-    return max(
+    changes = [
         (abs(coarse.gap_mean / gap - 1) + abs(coarse.p0 / p0 - 1)) / 2**k
         for k, coarse in enumerate(coarser[:2])
-    )
+    ]
+    least = OF_PROFILES if 1 in contact.grid.nominal else 0.0
+    if reaches_free_edges(contact):
+        least = AT_FREE_EDGES
+    return max(least / gap, *changes)

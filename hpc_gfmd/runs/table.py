@@ -19,7 +19,7 @@ CORRECTED = (
 NO_COARSER_GRID = "no coarser grid was solved, of the mean gap it is the solver's alone"
 NO_LIMIT = (
     "max p +- ?: where the contact reaches a free edge or a ridge between mirror images it grows"
-    " without limit on finer grids"
+    " without limit on finer grids; in a patch of one or two points of a profile it is not known"
 )
 NO_AREA = "mean p contact +- ?: by its error the area may be 0"
 
