@@ -1,7 +1,7 @@
 """The certificate of a pressure instead of a gap, solved elsewhere in a part of the surface.
 
 g = S p + h, moved so that closed points are at 0 in the mean; what is left of their gap is set to
-0, and the errors grow by the largest pressure that this may take.
+0, and the errors grow by the largest pressure that this may take, and by what the load lacks.
 """
 
 from __future__ import annotations
@@ -63,15 +63,22 @@ def certify_pressure(
 
     looks = grid.by_rows(look)
     sums = [of_rows for of_rows, _ in looks] or [KktSums(*[0.0] * len(KktSums._fields))]
-    *totals, squares, uKu = grid.comm.sum([*np.sum(sums, axis=0), squares, uKu])
+    load = part.p.sum(dtype=np.float64)
+    *totals, squares, uKu, load = grid.comm.sum([*np.sum(sums, axis=0), squares, uKu, load])
     tension = max((tension for _, tension in looks), default=0.0)
     tension, penetration = grid.comm.max([tension, penetration]).tolist()
     state.uKu = float(uKu)
     recomputed = Recomputed(KktSums(*totals), tension, mean=-level, level=0.0)
     stiffest = problem.body.bounds(grid)[1]
     neglected = stiffest * float(np.sqrt(squares / max(recomputed.sums.closed_pp, 1e-300)))
+    missing = abs(float(load) / (grid.N * problem.p0) - 1)
     certificate = measured(problem, elastic, state, recomputed, penetration, levels, dual)
-    return replace(certificate, errors=_with_neglected(certificate.errors, neglected)), neglected
+    certificate = replace(
+        certificate,
+        load_balance=max(certificate.load_balance, missing),
+        errors=_with_neglected(certificate.errors, neglected + missing),
+    )
+    return certificate, neglected + missing
 
 
 def _with_neglected(

@@ -60,7 +60,7 @@ def reaches_free_edges(contact: Any) -> bool:
     grid = contact.grid
     begin, end = grid.nominal_rows
     rows, columns = _ends(contact)
-    lines = [np.s_[i - begin, : grid.nominal[1]] for i in rows if begin <= i < end]
+    lines: list[Any] = [np.s_[i - begin, : grid.nominal[1]] for i in rows if begin <= i < end]
     lines += [np.s_[: end - begin, j] for j in columns]
     touches = any(((contact.g[k] <= 0) & (contact.p[k] > 0)).any() for k in lines)
     return bool(grid.comm.max([touches])[0])

@@ -118,6 +118,11 @@ class Starter:
         """Continue the solver at the target's p0, from its present solution, with counts at 0."""
         solver = self.solver
         assert solver is not None
+        if self._may_be_few(target):
+            problem = self.working.problem(target.p0)
+            start = self._start_on_few_points(target, problem, Candidate(solver.state.g))
+            if start is not None:
+                return start
         solver.reset_counts()
         solver.continue_at(target.p0)
         return Start(solver, self._certifier_for(solver), 0.0)
@@ -138,7 +143,7 @@ class Starter:
         best = next(gaps)
         if best.gap is None:
             return self._start_in_box(target, problem, best)
-        if best.coarser and self._may_be_light(target) and not self.working.saves_memory:
+        if best.coarser and self._may_be_few(target):
             start = self._start_on_few_points(target, problem, best)
             if start is not None:
                 return start
@@ -209,6 +214,10 @@ class Starter:
         """Return whether part of the surface may hold the contact: an elastic one, a given load."""
         model = self.working.model
         return not (target.is_sought or model.attraction or model.hardness)
+
+    def _may_be_few(self, target: Target) -> bool:
+        """Return whether few points may hold the contact: heights are stored, too."""
+        return self._may_be_light(target) and not self.working.saves_memory
 
     def _start_in_box(self, target: Target, problem: Problem, best: Candidate) -> Start:
         """Start from the contact in a box, or in a larger one if points beyond it penetrate."""

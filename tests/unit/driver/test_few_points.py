@@ -159,3 +159,27 @@ def test_low_memory_does_without(parts):
     contact = sweep_of(rough((2, 32, 2)), accuracy=1e-3, low_memory=True).solve(1e-3)
     assert contact.status == "converged"
     assert not any(parts)
+
+
+def test_near_loads(parts):
+    """They start from the points of the load before."""
+    sweep = sweep_over(random_heights((96, 80), seed=3), accuracy=ACCURACY)
+    alone = sweep_over(random_heights((96, 80), seed=3), accuracy=ACCURACY)
+    for load in (1e-2, 1.1e-2, 1.2e-2, 1.05e-2):
+        contact = sweep.solve(load)
+        assert contact.iterations == 0
+        exact = alone.solve(load)
+        alone.starter.forget()
+        assert relative(field(contact, "pressure"), field(exact, "pressure")) < 1e-12
+    assert contact.pairs == 1
+    assert len(parts) == 8
+
+
+def test_a_pressure_of_another_load_is_not_accepted(parts, monkeypatch):
+    """One point in contact: its gap is 0 at any load, and so is every violation but the load's."""
+    pressure = module._pressure
+    monkeypatch.setattr(module, "_pressure", lambda *arguments: 1.1 * pressure(*arguments))
+    contact = sweep_over(random_heights((64, 64)), accuracy=1e-3).solve(1e-5)
+    assert contact.status == "converged"
+    assert contact.contact_points == 1
+    assert field(contact, "pressure").mean() == pytest.approx(1e-5, rel=1e-3)
