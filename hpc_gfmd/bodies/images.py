@@ -16,6 +16,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..util.errors import SceneError
+
 # modes along an axis, times the free part of the cell over its length; where the other axis is
 # periodic
 NEEDED = 20 / 3
@@ -85,7 +87,14 @@ def images(
         X, Y = axes
         c = kernel(X.offsets, Y.offsets, *cell)
         T = {(a, b): _in_modes(c, (X, a), (Y, b))[None] for a, b in PARITIES}
-        T[1, 1][0], constant = _without_mean(T[1, 1][0], q.ravel(), np.kron(X.even, Y.even))
+        try:
+            T[1, 1][0], constant = _without_mean(T[1, 1][0], q.ravel(), np.kron(X.even, Y.even))
+        except np.linalg.LinAlgError:
+            shape = max(cell) / min(cell)
+            raise SceneError(
+                f"surface.boundary: found free along both axes of a grid of {shape:.0f} : 1,"
+                " allowed: shorter grids, or periodic along the short axis"
+            ) from None
         return Images(T, free, modes, constant / (cell[0] * cell[1]))
     along = int(free[1])  # the axis that ends
     X = axes[along]

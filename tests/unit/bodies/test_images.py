@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusal import refused
 
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.bodies.images import Images, images, kernel, kernel_of_wave
@@ -109,3 +110,9 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     assert np.ptp(difference) < 5e-7
     if all(free):
         assert difference.mean() == pytest.approx(-image_modes.constant, abs=1e-6)
+
+
+def test_grids_that_are_too_long_are_refused():
+    """A profile of points as wide as all of it, with free edges on all sides."""
+    with refused("found free along both axes of a grid of 38 : 1, allowed: shorter grids"):
+        images((0.161374, 6.196773), (0.0134479, 0.258199), (True, True), (8, 35))
