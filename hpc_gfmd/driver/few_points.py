@@ -47,14 +47,14 @@ class FewPoints(NamedTuple):
         rows, columns = grid.inside
         gap = g[:rows, :columns]
         touching = grid.comm.sum([np.count_nonzero(gap <= 0)])[0]
-        most = MOST * grid.cell_points ** (1 / 3) if grid.cell_points <= LARGEST else 0.0
-        if not 0 < touching < most:
+        many = MOST * grid.cell_points ** (1 / 3) if grid.cell_points <= LARGEST else 0.0
+        if not 0 < touching < many:
             return None
         pressure = problem.p0 * grid.N / touching
         limit = NEAR * pressure * problem.body.point_compliance(grid)
         where = np.nonzero(gap <= limit)
         few = cls(where[0], where[1], gap[where] <= 0)
-        return few if grid.comm.sum([few.rows.size])[0] < most else None
+        return few if grid.comm.sum([few.rows.size])[0] < many else None
 
     @classmethod
     def solved(cls, problem: Problem, g: np.ndarray) -> Part | None:

@@ -67,7 +67,7 @@ def gap_discretisation(contact: Contact, coarser: Sequence[CoarseContact]) -> fl
         (abs(coarse.gap_mean / gap - 1) + abs(coarse.p0 / p0 - 1)) / 2**k
         for k, coarse in enumerate(coarser[:2])
     ]
-    least = OF_PROFILES if 1 in contact.grid.nominal else 0.0
+    floor = OF_PROFILES if 1 in contact.grid.nominal else 0.0
     if reaches_free_edges(contact):
-        least = AT_FREE_EDGES
-    return max(least / gap, *changes)
+        floor = AT_FREE_EDGES
+    return max(floor / gap, *changes)
