@@ -44,10 +44,12 @@ class FewPoints(NamedTuple):
         do. Collective.
         """
         grid = problem.grid
+        if grid.cell_points > LARGEST:
+            return None
         rows, columns = grid.inside
         gap = g[:rows, :columns]
         touching = grid.comm.sum([np.count_nonzero(gap <= 0)])[0]
-        many = MOST * grid.cell_points ** (1 / 3) if grid.cell_points <= LARGEST else 0.0
+        many = MOST * grid.cell_points ** (1 / 3)
         if not 0 < touching < many:
             return None
         pressure = problem.p0 * grid.N / touching

@@ -278,8 +278,11 @@ class Starter:
             certifier.dtype,
             certifier.duality,
         )
-        masks = grid.by_rows(partial(_penetrates, solver), grid.inside[0])
-        penetrates = bool(grid.comm.max([any(mask.any() for mask in masks)])[0])
+
+        def penetrate(i0: int, i1: int) -> bool:
+            return bool(_penetrates(solver, i0, i1).any())
+
+        penetrates = bool(grid.comm.max([any(grid.by_rows(penetrate, grid.inside[0]))])[0])
         if not penetrates and neglected > NEGLECTED * self.criterion.tolerance:
             again = _certified(solver, certifier, solver.state.g)
             certificate = replace(again, pairs=certificate.pairs + again.pairs)

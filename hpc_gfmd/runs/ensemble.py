@@ -105,9 +105,10 @@ class Ensemble:
         """Return the sample standard deviation of a number over the results, shape (loads,).
 
         It divides by the number of results less 1. nan for a load at which one of them has no
-        value.
+        value or is infinite.
         """
-        return self.values(name).std(axis=0, ddof=1)
+        with np.errstate(invalid="ignore"):  # inf less inf
+            return self.values(name).std(axis=0, ddof=1)
 
     def leak_rate(
         self,
