@@ -12,6 +12,7 @@ from scene_tables import rows
 
 import hpc_gfmd
 from hpc_gfmd.bodies import body_of
+from hpc_gfmd.driver import few_points
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.scene import LoadTable, Material
 from hpc_gfmd.solvers import solver_names
@@ -126,7 +127,7 @@ def with_edges(free, **solver):
 
 @pytest.mark.parametrize("free", [(True, True), (True, False), (False, True)])
 @pytest.mark.parametrize("solver", [{"accuracy": 1e-5}, {"accuracy": 1e-3, "precision": "single"}])
-def test_a_gap_that_closes_to_its_edges(free, solver):
+def test_a_gap_that_closes_to_its_edges(free, solver, monkeypatch):
     """The smallest load that closes the gap is found, at a bounded cost of all trials."""
     step = with_edges(free, **solver).solve(Load("a_r", 1.0))
     p = field(step, "pressure")
@@ -137,7 +138,8 @@ def test_a_gap_that_closes_to_its_edges(free, solver):
     exact = with_edges(free)
     assert exact.solve((1 + solver["accuracy"]) * step.p_mean).contact_points == step.N
     assert exact.solve((1 - solver["accuracy"]) * step.p_mean).contact_points < step.N
-    assert step.pairs < 30
+    monkeypatch.setattr(few_points, "MOST", 0.0)
+    assert step.pairs <= 2.5 * with_edges(free, **solver).solve(step.p_mean).pairs
 
 
 @pytest.mark.parametrize(
@@ -151,13 +153,14 @@ def test_a_gap_that_closes_to_its_edges(free, solver):
         *[(partial(with_edges, free), 1e-4, 1e-3) for free in ((True, True), (True, False))],
     ],
 )
-def test_a_gap_that_nearly_closes(make, gap, accuracy):
+def test_a_gap_that_nearly_closes(make, gap, accuracy, monkeypatch):
     """With a single open point the search also starts from the load that closes the gap, as the
     same load does if it is prescribed as a pressure."""
     sweep = make(accuracy=accuracy)
     step = sweep.solve(*sweep.loads(LoadTable(gap_over_h_rms=gap)))
     assert step.status == "converged"
     assert step.gap_mean == pytest.approx(gap * sweep.surface.h_rms, rel=accuracy)
+    monkeypatch.setattr(few_points, "MOST", 0.0)
     assert step.pairs <= 5 * make(accuracy=accuracy).solve(step.p_mean).pairs
 
 
