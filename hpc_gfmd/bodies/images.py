@@ -92,8 +92,8 @@ def images(
         except np.linalg.LinAlgError:
             shape = max(cell) / min(cell)
             raise SceneError(
-                f"surface.boundary: found free along both axes of a grid of {shape:.0f} : 1,"
-                " allowed: shorter grids, or periodic along the short axis"
+                f'surface.boundary: found "free" along both axes of a grid of {shape:.0f} : 1,'
+                ' allowed: shorter grids, or "periodic" along the short axis'
             ) from None
         return Images(T, free, modes, constant / (cell[0] * cell[1]))
     along = int(free[1])  # the axis that ends

@@ -1,9 +1,10 @@
 """Light contacts are solved on the few points that can touch, by the matrix of S between them.
 
-These are the points near the wall in the start from coarser grids. The pressure of those in contact
-follows from g = 0; those with p < 0 leave, those with g < 0 join, until none does: an active set
-method, exact but for rounding. One application of S then gives the gap on the whole surface
-(certificate/of_pressure.py). If other points penetrate they are added, and all is solved again.
+These are the points near the wall in the start from coarser grids, or at the load before. The
+pressure of those in contact follows from g = 0; those with p < 0 leave, those with g < 0 join,
+until none does: an active set method, exact but for rounding. One application of S then gives the
+gap on the whole surface (certificate/of_pressure.py). If other points penetrate they are added, and
+all is solved again.
 """
 
 from __future__ import annotations

@@ -126,7 +126,7 @@ def single_fails(
         return True
     if p_star is None:
         return False
-    return few_points(N, p_star, accuracy) or not single_solves(p_star, N)
+    return too_few_points(N, p_star, accuracy) or not single_solves(p_star, N)
 
 
 def is_unloaded(p_star: float | None, attraction: object | None) -> bool:
@@ -134,7 +134,7 @@ def is_unloaded(p_star: float | None, attraction: object | None) -> bool:
     return p_star == 0 and attraction is None
 
 
-def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
+def too_few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     """Return whether too few points touch at p_star for the area in single precision, which may
     misplace a few; True if p_star <= 0, False without an accuracy.
     """
@@ -180,7 +180,7 @@ def certificate_dtype(working: WorkingSurface, problem: Problem) -> np.dtype:
     elif problem.p0 <= 0:  # only with an attraction: how many touch is unknown
         spoils = True
     else:
-        few_touch = few_points(problem.grid.N, problem.p0, working.settings.accuracy)
+        few_touch = too_few_points(problem.grid.N, problem.p0, working.settings.accuracy)
         few_are_open = problem.p0 >= HALF_SPACE.full_p_star
         spoils = few_touch or few_are_open or _is_noisy(working, problem)
     return DOUBLE if spoils else working.dtype

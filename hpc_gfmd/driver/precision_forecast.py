@@ -15,13 +15,13 @@ from ..surface import build_surface
 from .memory import OF_LATER
 from .precision import (
     DOUBLE,
-    few_points,
     initial_dtype,
     is_unloaded,
     p_stars_of,
     pressure_that_counts,
     rounding_in_single,
     single_fails,
+    too_few_points,
 )
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
         for p_star in known_p_stars(scene, getattr(scene.surface, "g_rms", None)):
             if p_star is None or is_unloaded(p_star, scene.material.adhesion):
                 continue
-            if few_points(N, p_star, settings.accuracy):
+            if too_few_points(N, p_star, settings.accuracy):
                 return DOUBLE
     return first_of_scene(scene)
 

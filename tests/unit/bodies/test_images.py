@@ -114,5 +114,5 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
 
 def test_grids_that_are_too_long_are_refused():
     """A profile of points as wide as all of it, with free edges on all sides."""
-    with refused("found free along both axes of a grid of 38 : 1, allowed: shorter grids"):
+    with refused('found "free" along both axes of a grid of 38 : 1, allowed: shorter grids'):
         images((0.161374, 6.196773), (0.0134479, 0.258199), (True, True), (8, 35))
