@@ -27,7 +27,7 @@ def run(args):
     for n in args.n:
         for roughness in args.roughness:
             shown = None if np.isinf(roughness) else roughness
-            heights = _heights(n, roughness)
+            heights = free_heights(n, roughness)
             for row in _rows(heights, args.a_r, args.repeats, boundary="free"):
                 report.add(n=n, roughness=shown, hurst=None, **row)
     for n in args.n_walls:
@@ -38,7 +38,7 @@ def run(args):
     report.finish()
 
 
-def _heights(n, roughness):
+def free_heights(n, roughness):
     """Return the heights of a ball with roughness, or of a rough piece."""
     if np.isinf(roughness):
         return np.asarray(RoughContact(n, 0.0, boundary="free").surface.heights)

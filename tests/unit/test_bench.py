@@ -121,6 +121,7 @@ peers | scripts/bench-peers-setup
 peers --boundary free --codes tamaas | allowed: aspher-fft
 peers --boundary free --hardness 1 | --hardness: with free edges
 peers --boundary open | --boundary: found 'open', allowed: periodic, free
+before --python nowhere | --python: found 'nowhere', allowed: the path of a Python
 pairs --surfaces 2 | --surfaces: found 1 numbers, allowed: one for each
 process --n 63 | --n: found
 process --repeats 0 | --repeats: found 0
@@ -137,6 +138,7 @@ def test_wrong_arguments_are_refused(monkeypatch, tmp_path, cli):
 SMALL = {  # of every item that needs no other code
     "process": "--n 32 --threads 1 2",
     "user": "--n 16",
+    "before": "--n 16 --n-light 64",
     "light": "--n 64 --roughness 0.1 --a-r 0.01 --n-walls 64 --hurst 0.8 --a-r-walls 0.005",
     "pairs": "--n 32 64 --surfaces 2 1 --accuracy 1e-2",
     "accuracy": "--n 64 --hurst 0.8 --p-star 0.05 --solvers bpx --accuracy 1e-2 1e-4",
