@@ -22,6 +22,7 @@ Persson's theory is drawn for self-affine surfaces, Hertz's for spheres, Westerg
 Fields of any size are read piece by piece."""
 
 SUFFIXES = (".png", ".pdf", ".svg")
+OTHER_SUFFIXES = (".eps", ".gif", ".jpeg", ".jpg", ".ps", ".tif", ".tiff", ".webp")  # of pictures
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -124,6 +125,9 @@ def save_pictures(
     if where is None:
         path = results[0].path if len(results) == 1 else None
         where = path.with_suffix(".png") if path else Path("curves.png")
+    if where.suffix.lower() in OTHER_SUFFIXES and not where.is_dir():
+        endings = ", ".join(SUFFIXES)
+        raise SceneError(f"-o: found {where}, allowed: a folder, or a file that ends in {endings}")
     drawn = figures(results, names, **how)
     several = len(drawn) > 1
     return [_save(fig, where, name, several, how.get("dpi")) for name, fig in drawn.items()]

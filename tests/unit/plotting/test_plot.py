@@ -93,6 +93,7 @@ def test_files_of_pictures(tmp_path, cli):
     (tmp_path / "file").write_text("")
     for place in ("no/b", "file"):
         assert "pictures cannot go to" in cli.refused("plot", file, "-o", place)
+    assert ".png, .pdf, .svg" in cli.refused("plot", file, "-o", "a.jpg")
     for suffix, begins in (("pdf", b"%PDF"), ("svg", b"<?xml")):
         (path,) = save_pictures([read_result(file)], Path(f"one.{suffix}"), ["contact"], step=1)
         assert path.read_bytes().startswith(begins)
