@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..operators.selection import nth_smallest
-from .root import Bound, Root, Value
+from .root import STEP, Bound, Root, Value
 from .target import DISTINCT, area_may_be_met
 
 if TYPE_CHECKING:
@@ -179,13 +179,29 @@ class Area(Root):
         finer = self.finest.steepness / (self.heights.steepness or inf)
         if finer > 1 > aim:
             aim = erf(NormalDist().inv_cdf((1 + aim) / 2) * finer / sqrt(2))
-        return max(aim, self.heights.highest / self.heights.points)
+        return max(aim, self._least)
+
+    @property
+    def _least(self) -> float:
+        """The area at any load, however small."""
+        return self.heights.highest / self.heights.points
+
+    def propose(
+        self, y: float, error: float, certified: bool, allowed: float = 0.0
+    ) -> float | None:
+        """Towards the least area, below which there is no load, in steps of twice the one before:
+        the last few points hardly change the area.
+        """
+        x = super().propose(y, error, certified, allowed)
+        if x is None or not certified or self.low is not None or self.aim > self._least:
+            return x
+        before = self.replaced.x - self.x if self.replaced is not None else 0.0
+        return min(x, self.x - max(2 * before, STEP))
 
     def miss(self, y: float) -> float:
         """0 up to one point of the map, also from a value below the least area of any load."""
         points = self.heights.points * self.map_points
-        at_once = self.heights.highest / self.heights.points
-        beyond = max(at_once - self.value, 0.0) * points if self.aim == at_once else 0.0
+        beyond = max(self._least - self.value, 0.0) * points if self.aim == self._least else 0.0
         miss = super().miss(y)
         return miss if miss * self.aim * points > max(POINT - beyond, 0.0) else 0.0
 

@@ -218,6 +218,20 @@ def test_areas_that_no_load_has(free):
     assert loads == pytest.approx([loads[0]] * 4, rel=0.1)
 
 
+@pytest.mark.parametrize(("worn", "share"), [(0.01, 0.5), (0.05, 0.3), (0.2, 0.98)])
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-4])
+def test_less_than_a_worn_top(worn, share, accuracy):
+    """A few more points than the flat top touch down to loads a thousand times smaller."""
+    z = random_heights((64, 64), seed=3)
+    z = np.minimum(z, np.quantile(z, 1 - worn))
+    top = np.count_nonzero(z == z.max())
+    step = sweep_over(z, accuracy=accuracy).solve(Load("a_r", share * top / z.size))
+    assert step.status == "converged"
+    assert top <= step.contact_points <= top * (1 + accuracy) + 1
+    assert "the least at any load" in step.note
+    assert step.pairs < 90
+
+
 @pytest.mark.parametrize("free", [(False, False), (True, True)])
 def test_hardly_touching(free):
     """The mean gap is slightly less than that at which the highest peak touches."""
