@@ -91,8 +91,7 @@ class Recomputed(NamedTuple):
 
     sums: KktSums  # of the recomputed pressure and the gap
     tension: float  # largest -p where g = 0, or 0
-    mean: float  # mean of u - level over the grid
-    level: float  # constant that was subtracted from u before the transform
+    mean: float  # of u over the grid
     energy_of_attraction: float = 0.0  # sum of phi over points
 
 
@@ -151,11 +150,7 @@ def measured(
             energy=float(0.5 * state.uKu / N + energy_of_uniform),
             uKu=state.uKu,
             pressures=float(np.sqrt(sums.closed_pp)),
-            approach=(
-                float(problem.p_cell / uniform - recomputed.mean - recomputed.level)
-                if uniform
-                else np.nan
-            ),
+            approach=(float(problem.p_cell / uniform - recomputed.mean) if uniform else np.nan),
             contact=int(sums.contact) if np.isfinite(sums.contact) else 0,
             yielded=int(sums.yielded),
             gap_mean=float(sums.gap / N),
@@ -200,7 +195,7 @@ def _recompute(problem: Problem, elastic: Elastic, state: State) -> Recomputed:
     energy_of_attraction = 0.0
     if law is not None:
         state.attracted, energy_of_attraction = grid.comm.sum(np.sum(attracted, axis=0)).tolist()
-    return Recomputed(KktSums(*totals), float(tension), mean, level, energy_of_attraction)
+    return Recomputed(KktSums(*totals), float(tension), mean + level, energy_of_attraction)
 
 
 def _duality_gap(wall: Wall, elastic: Elastic, state: State, sums: KktSums) -> float:

@@ -32,12 +32,7 @@ class Part(NamedTuple):
 
 
 def certify_pressure(
-    problem: Problem,
-    part: Part,
-    state: State,
-    levels: Multilevel,
-    dtype: DTypeLike = np.float64,
-    dual: bool = False,
+    problem: Problem, part: Part, state: State, levels: Multilevel, dtype: DTypeLike, dual: bool
 ) -> tuple[Certificate, float]:
     """Set a state to the pressure of a part; return its certificate, and a bound of the neglected
     pressure over p. Collective, one FFT pair.
@@ -68,7 +63,7 @@ def certify_pressure(
     tension = max((tension for _, tension in looks), default=0.0)
     tension, penetration = grid.comm.max([tension, penetration]).tolist()
     state.uKu = float(uKu)
-    recomputed = Recomputed(KktSums(*totals), tension, mean=-level, level=0.0)
+    recomputed = Recomputed(KktSums(*totals), tension, mean=-level)
     stiffest = problem.body.bounds(grid)[1]
     neglected = stiffest * float(np.sqrt(squares / max(recomputed.sums.closed_pp, 1e-300)))
     missing = abs(float(load) / (grid.N * problem.p0) - 1)

@@ -16,7 +16,6 @@ from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import neighbours, rows_of
 from ..parallel.threads import threads_for
-from .box import Rectangle
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -93,37 +92,3 @@ class Decimation:
             return before, a, after
         rows = rows_of(comm, a, self.starts, self.beside[:-1] - HALO, self.beside[1:] + HALO)
         return rows[:HALO], rows[HALO:-HALO], rows[-HALO:]
-
-    def touching(
-        self, problem: Problem, coarse: Problem | None, gap: np.ndarray | None
-    ) -> Rectangle | None:
-        """Return the rectangle of points that touch at the coarse displacement, with heights
-        between its points. Collective. coarse, gap: None on ranks without rows.
-        """
-        fine = self.fine
-        x, y = self.steps
-        u = np.empty((0, self.n[1]), problem.dtype)
-        if coarse is not None and gap is not None:
-            rows, points = coarse.grid.inside
-            u = gap[:rows, :points] - coarse.heights
-            u *= u.dtype.type(coarse.grid.a / fine.a)
-        owned = np.minimum(self.starts, self.nominal[0])
-        begins = np.minimum(fine.starts[:-1], fine.nominal[0]) // x
-        ends = -(-np.minimum(fine.starts[1:], fine.nominal[0]) // x)
-        u = rows_of(fine.comm, u, owned, begins, ends, self.nominal[0])
-        h = problem.heights
-        begin = fine.rows[0] - int(begins[fine.comm.rank]) * x
-
-        def touches(i0: int, i1: int) -> np.ndarray:
-            mask = np.empty((i1 - i0, h.shape[1]), bool)
-            for i in range(x):
-                rows = slice((i - begin - i0) % x, None, x)
-                k = (begin + i0 + rows.start) // x
-                for j in range(y):
-                    heights = h[i0:i1][rows, j::y]
-                    np.less_equal(
-                        heights, -u[k : k + len(heights), : heights.shape[1]], out=mask[rows, j::y]
-                    )
-            return mask
-
-        return Rectangle.of(fine, touches)

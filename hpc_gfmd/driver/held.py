@@ -64,7 +64,8 @@ class Held(Target):
         self.touches = quantity == "gap_mean" and target < gap_at_touch
         # an approach may be 0
         self.unit = abs(target)
-        if quantity == "approach" and problem.attraction is not None:
+        if quantity == "approach":
+            assert problem.attraction is not None
             self.unit = max(self.unit, float(problem.attraction.range))
         self.tolerance = tolerance
         self.gap_at_start = gap_at_start

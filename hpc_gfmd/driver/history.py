@@ -58,7 +58,6 @@ class History:
     def __init__(self, sweep: Sweep, elements: Sequence[Element] = (), keeps_dents: bool = False):
         self.working = sweep.working
         self.settings = sweep.settings
-        self._first = sweep
         self._sweep = sweep  # of the present load
         self._original = sweep.surface  # in the present precision
         self.memory = Memory(self._original.gap.shape, elements, keeps_dents)
@@ -83,7 +82,7 @@ class History:
 
     def loads(self, table: LoadTable) -> list[Load]:
         """Return the loads of the table [load], as `Sweep.loads`, with times and shares."""
-        loads = self._first.loads(table)
+        loads = self._sweep.loads(table)
         times = table.time or [0.0] * len(loads)
         return [
             replace(load, time=float(time), share=share)

@@ -114,9 +114,8 @@ class Nested:
         Collective.
 
         `target` has or finds, and changes, p0 on every grid. `into` gets the gap, perhaps that of
-        problem.h. in_box: where a box holds all points that can touch, by the start on the next
-        coarser grid and the heights of this one, return that, and solve nothing more. Stopped is
-        raised on all ranks.
+        problem.h. in_box: where a box holds all points that touch in the start on the next coarser
+        grid, return that, and solve nothing more. Stopped is raised on all ranks.
         """
         if self.step is None:
             g = cold_gap(problem)
@@ -125,21 +124,13 @@ class Nested:
             return Candidate(g if into is None else into)
         comm = problem.grid.comm
         coarse = self.step.problem(problem)
-        start = None
-        with interrupt.shared(comm, None) as found:
+        solver = None
+        with interrupt.shared(comm, (None, False, 0.0, ())) as solved:
             if coarse is not None and self.coarser is not None:
                 start = self.coarser.candidate(coarse, make_solver, target)
-                if in_box and start.coarser:
-                    found.value = self._box_by(coarse, start.gap, self.step.steps)
-        box = found.value
-        if box is not None:
-            gap = None if start is None else start.gap
-            touching = self.step.touching(problem, coarse, gap)
-            box = Box.around(touching, self.grid, self.grids, comm)
-        solver = None
-        with interrupt.shared(comm, (False, 0.0, ())) as solved:
-            if coarse is not None and start is not None:
                 assert start.gap is not None  # no box was asked for there
+                looks = in_box and start.coarser
+                box = self._box_by(coarse, start.gap, self.step.steps) if looks else None
                 coarse = replace(coarse, p0=target.begin(coarse))
                 pairs = start.pairs
                 full = False
@@ -153,16 +144,15 @@ class Nested:
                     full = not coarse.grid.padded and contact == coarse.grid.N
                     coarser = coarser_contacts(solver, start.coarser, scale)
                 pairs *= coarse.grid.cell_points / problem.grid.cell_points
-                solved.value = full, pairs, coarser
-        full, pairs, coarser = solved.value
+                solved.value = box, full, pairs, coarser
+        box, full, pairs, coarser = solved.value
         target.agree(comm)
         if box is not None:
             return Candidate(None, pairs, coarser, box)
         return Candidate(_prolong(problem, self.step, coarse, solver, full, into), pairs, coarser)
 
-    def _box_by(self, coarse: Problem, gap: np.ndarray | None, steps: Sequence[int]) -> Box | None:
+    def _box_by(self, coarse: Problem, gap: np.ndarray, steps: Sequence[int]) -> Box | None:
         """Return the box around what touches on the next coarser grid. Collective on its ranks."""
-        assert gap is not None  # no box was asked for there
         points = coarse.grid.inside[1]
         touching = Rectangle.of(coarse.grid, lambda i0, i1: gap[i0:i1, :points] <= 0)
         if touching is not None:

@@ -21,7 +21,6 @@ from .precision import (
     pressure_that_counts,
     rounding_in_single,
     single_fails,
-    too_few_points,
 )
 
 if TYPE_CHECKING:
@@ -64,18 +63,6 @@ def precisions(
                 precision = np.dtype(unknown)
         precisions_of_loads.append(precision)
     return precisions_of_loads
-
-
-def least_precision(scene: Scene, N: int) -> np.dtype:
-    """Return the lowest precision in which loads of a scene may run, by its keys alone."""
-    settings = scene.solver
-    if settings.precision == "auto":
-        for p_star in known_p_stars(scene, getattr(scene.surface, "g_rms", None)):
-            if p_star is None or is_unloaded(p_star, scene.material.adhesion):
-                continue
-            if too_few_points(N, p_star, settings.accuracy):
-                return DOUBLE
-    return first_of_scene(scene)
 
 
 def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:

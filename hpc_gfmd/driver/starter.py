@@ -1,14 +1,13 @@
 """Where a solver starts at a load: the first gap of a list that applies.
 
 The list: a given gap, the one that single precision has reached, the undeformed body under tension,
-full contact, and coarser grids (nested.py). The undeformed body follows if that has far too much
-energy. Light contacts are solved in a box (box.py) or on few points (few_points.py). A load close
-to the one before goes on from that instead.
+full contact, and coarser grids (nested.py). Light contacts are solved in a box (box.py) or on few
+points (few_points.py). A load close to the one before goes on from that instead.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -41,10 +40,6 @@ if TYPE_CHECKING:
 # the one before a load takes .4 fewer at 1.15, 1.1 more at 1.45 and at 1/1.3. Not a round number,
 # because p* has rounding errors.
 WARM = 1.21
-# A start with more than so many times the energy of an undeformed body is replaced by the latter.
-# Measured: rough strips have up to 400 times and start better so; flat tops and bowls at p* below
-# 1e-7 have from 250 times on, and take 2 to 6 times the pairs so; checkerboards with 1e8 stagnate.
-WORSE_THAN_UNDEFORMED = 1e3
 # Residual, over that of its start, of the contact without attraction from which one with it starts.
 # Insensitive: 72 loads of small walls take 20.2, 19.7 and 19.6 pairs at .01, .02 and .04, and reach
 # the same equilibria from .005 to .08.
@@ -133,14 +128,12 @@ class Starter:
         """Start the solver at a load, made if there is none, not from the load before. Collective;
         Stopped on all ranks.
 
-        From the first of `_gaps` without far too much energy. `gap` (local slab) is copied; in_box:
-        may be solved in a box. The target changes.
+        `gap` (local slab) is copied; in_box: may be solved in a box. The target changes.
         """
         if self.working.saves_memory:
             self.solver = None
         problem = replace(self.working.problem(target.p0), spring=target.spring)
-        gaps = self._gaps(target, problem, gap, in_box)
-        best = next(gaps)
+        best = self._candidate(target, problem, gap, in_box)
         if best.gap is None:
             return self._start_in_box(target, problem, best)
         if best.coarser and self._may_be_few(target):
@@ -153,41 +146,29 @@ class Starter:
             pairs = best.pairs + certificate.pairs
             return Start(solver, certifier, pairs, best.coarser, certificate)
         pairs = best.pairs + _lay_down(solver, certifier, best.gap)
-        for candidate in gaps:
-            if candidate.gap is None or not _is_worse_than_undeformed(solver):
-                break
-            pairs += _lay_down(solver, certifier, candidate.gap)
         return Start(solver, certifier, pairs, best.coarser)
 
-    def _gaps(
+    def _candidate(
         self, target: Target, problem: Problem, gap: np.ndarray | None, in_box: bool
-    ) -> Iterator[Candidate]:
-        """Yield gaps to start from, the best first: given, kept from another precision, undeformed
-        (tension), 0 (full contact), from coarser grids or a plane, with an attraction from the
-        contact without it, undeformed.
+    ) -> Candidate:
+        """Return what to start from: a given gap, that of another precision, undeformed (tension),
+        0 (full contact), from coarser grids or a plane, with an attraction without it.
         """
         kept = self.kept
         self.kept = None
         memory = self.working.memory_for_gap(problem, self.solver)
         attracts = problem.attraction is not None
         if gap is not None:
-            yield Candidate(_filled(problem, memory, gap), may_be_solved=not attracts)
-            return
+            return Candidate(_filled(problem, memory, gap), may_be_solved=not attracts)
         if kept is not None:
-            yield Candidate(kept, may_be_solved=not attracts)
-            return
+            return Candidate(kept, may_be_solved=not attracts)
         if target.p0 <= 0:
-            yield Candidate(undeformed_gap(problem))
-            return
+            return Candidate(undeformed_gap(problem))
         if target.from_full_contact:
-            yield Candidate(_filled(problem, memory, 0.0), may_be_solved=True)
-            return
+            return Candidate(_filled(problem, memory, 0.0), may_be_solved=True)
         if self.settings.nested:  # "auto" or true
-            yield self._nested_start(target, problem, memory, in_box)
-        else:
-            yield Candidate(cold_gap(problem))
-        if self.working.surface.h is not None:
-            yield Candidate(self.working.surface.gap)
+            return self._nested_start(target, problem, memory, in_box)
+        return Candidate(cold_gap(problem))
 
     def _nested_start(
         self, target: Target, problem: Problem, memory: np.ndarray | None, in_box: bool
@@ -203,8 +184,9 @@ class Starter:
         if problem.attraction is None:
             may_be_closed = not target.is_sought and target.p0 >= problem.body.full_p_star
             return start._replace(may_be_solved=may_be_closed)
-        if start.coarser or start.gap is None:
+        if start.coarser:
             return start._replace(coarser=())
+        assert start.gap is not None  # a box is for contacts without attraction
         rough = roughly_solved(bare, self._make, start.gap, WITHOUT_ATTRACTION, Target(problem.p0))
         return Candidate(rough.state.g, start.pairs + rough.pairs)
 
@@ -327,6 +309,8 @@ class Starter:
         problem = self.working.problem_to_iterate(replace(problem, p0=p0))
         if self.solver is None:
             self.solver = self._make(problem, gap)
+        if self.solver.problem.spring != problem.spring:  # a search has made it stiffer
+            self.solver.hold(problem.spring)
         self.solver.reset_counts()
         self.solver.state.p0 = problem.p0
         return self.solver, self._certifier_for(self.solver)
@@ -368,13 +352,3 @@ def _certified(solver: Solver, certifier: Certifier, gap: np.ndarray) -> Certifi
 def _penetrates(solver: Solver, i0: int, i1: int) -> np.ndarray:
     """Return which points of some local rows of the surface penetrate the wall."""
     return solver.state.g[i0:i1, : solver.grid.inside[1]] < 0
-
-
-def _is_worse_than_undeformed(solver: Solver) -> bool:
-    """Return whether the state has far more energy than a flat touching body, as on flat tops at
-    light loads, whose edges coarse grids distort; False on padded grids.
-    """
-    if solver.grid.padded:
-        return False
-    undeformed = solver.state.p_cell * solver.N * solver.problem.root_mean_square
-    return 0.5 * solver.state.uKu > WORSE_THAN_UNDEFORMED * undeformed

@@ -254,26 +254,23 @@ def sweep_levels(
     `mode_level`, or empty.
 
     `sums`: of each smoothed piece; `totals`: <r, z>, <x, z> on level 0, other sums of
-    `smooth_level` times softness, mean of r, product of gap mode and r. Returns how often this
-    thread looked in vain, or -1 less that if it lost patience: it must call again, and nothing is
-    lost.
+    `smooth_level` times softness, mean of r, product of gap mode and r. Returns whether all pieces
+    are taken; if not, the thread has lost patience and must call again, and nothing is lost.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2
     looks = 0
-    looks_in_turn = 0
     while True:
         piece = add(turns, NEXT, 0)
         if piece >= end:
-            return looks
+            return True
         k, i0, i1, is_smoothed, stage, next_stage = pieces[piece]
         if add(turns, CLOSED, 0) < stage:
             looks += 1
-            looks_in_turn += 1
-            if looks_in_turn > patience:
-                return -1 - looks
+            if looks > patience:
+                return False
             continue
-        looks_in_turn = 0
+        looks = 0
         if not replace(turns, NEXT, piece, piece + 1):
             continue  # another thread has taken it
         begin, count, rows, n, along, at_x, at_y = levels[k]

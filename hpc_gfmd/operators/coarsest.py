@@ -111,8 +111,7 @@ class CoarsestLevels:
 
     Before a sweep the caller writes r, t, perhaps x to `fields`, those of the first level, between
     halo rows; the sweep replaces r by z, also in the halo rows. `mode`: the gap mode
-    (deflation.py), flat, on level `mode_level`; empty without one. `looks`: how often the threads
-    of the last sweep looked in vain for a piece to do.
+    (deflation.py), flat, on level `mode_level`; empty without one.
     """
 
     def __init__(self, tables: LevelTables, threads: int = 1):
@@ -128,7 +127,6 @@ class CoarsestLevels:
         self._turns = zeros_aligned((TURNS,), np.int64)
         self._sums = np.empty((len(tables.pieces), SUMS))
         self._totals = np.empty(TOTALS)
-        self.looks = 0
         self.fields = self._fields_of(0)
         self.mode = np.zeros(0, dtype)
         self.mode_level = 0
@@ -154,16 +152,13 @@ class CoarsestLevels:
         """Do the pieces begin <= piece < end of a sweep, on all threads at the same time."""
         self._turns[[NEXT, ENDED, CLOSED]] = begin
 
-        def work(scratch: tuple[np.ndarray, ...]) -> int:
-            looks = 0
-            while (result := self._do_some(end, scratch)) < 0:
-                looks += -1 - result
+        def work(scratch: tuple[np.ndarray, ...]) -> None:
+            while not self._do_some(end, scratch):
                 time.sleep(PAUSE)
-            return looks + result
 
-        self.looks = sum(on_threads(self._threads, work, [()] * self._threads, self._scratch))
+        on_threads(self._threads, work, [()] * self._threads, self._scratch)
 
-    def _do_some(self, end: int, scratch: tuple[np.ndarray, ...]) -> int:
+    def _do_some(self, end: int, scratch: tuple[np.ndarray, ...]) -> bool:
         """Do pieces on one thread until `end`; return what the kernel sweep_levels does."""
         tables = self._tables
         return sweep_levels(

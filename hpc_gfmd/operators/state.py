@@ -8,7 +8,7 @@ share. Each State changes in place, by
 `Solver.step`               g + s d                         p + s K d, and the new attraction
 `Solver.step_ahead`         g + d                           stays: a certificate has to follow
 `Solver.continue_at`        stays                           changes with p0, by a constant
-`Wall.dent, balance`        the whole body moves            `dent` alone: p0 everywhere
+`Wall.undeform, balance`    the whole body moves            `undeform` alone: p0 everywhere
 `Wall.lower`                the whole body moves            the attraction at the new gap
 `certify`                   g < 0 set to 0 (not in dents)   of the wall at g, by an FFT pair
 `certify_pressure`          that of p, by an FFT pair       as given

@@ -5,7 +5,8 @@ check that a machine has it.
 import platform
 from math import prod
 
-from ..driver.precision_forecast import least_precision
+from ..driver.precision import DOUBLE
+from ..driver.precision_forecast import first_of_scene, precisions
 from ..parallel.comm import Comm
 from ..parallel.guard import raise_on_all
 from ..scene import Scene
@@ -83,11 +84,11 @@ def memory_of(scene: Scene, size: Size, itemsize: int, ranks: int, threads: int 
 
 def require_memory(comm: Comm, scene: Scene, size: Size, threads: int) -> None:
     """Raise SceneError on all ranks if a machine has, or its limits (ulimit -v, machine.memory_gib)
-    allow, less memory than the lowest possible precision needs. Collective.
+    allow, less memory than its loads certainly need. Collective.
     """
-    single = memory_of(scene, size, 4, comm.size, threads)
-    double = memory_of(scene, size, 8, comm.size, threads)
-    gib_per_rank = double if least_precision(scene, prod(size.n)).itemsize == 8 else single
+    in_double = DOUBLE in precisions(scene, size.n)
+    itemsize = 8 if in_double else first_of_scene(scene).itemsize
+    gib_per_rank = memory_of(scene, size, itemsize, comm.size, threads)
     gib_of_limit = float(comm.min([limit_gib()])[0])
     n_x, n_y = size.n
     if gib_per_rank > gib_of_limit:

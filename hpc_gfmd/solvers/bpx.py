@@ -117,7 +117,7 @@ class Bpx(Solver):
         self.s = 1.0
         self.rayleigh = FIRST
         self._measure(sums, new_contact=True)
-        if self.wall.dent(self.state):
+        if self.wall.undeform(self.state):
             self.d[...] = 0
             self._measure_again()
         a, b = self._coefficients()

@@ -67,6 +67,8 @@ class Gfmd(Solver):
         uKu = self.elastic.columns()
         self.state.uKu = float(self.grid.comm.sum([uKu])[0])
         self._measure(self.elastic.use_rows(self._update))
+        if self.wall.undeform(self.state):
+            self.restart()
 
     def restart(self) -> None:
         """Set the velocity to 0 and sum up the present g and p again, without an FFT."""
