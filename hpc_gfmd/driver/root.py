@@ -31,6 +31,9 @@ SHARE = 0.35  # of the tolerance, and of the error of a prediction, above which 
 COARSE = 0.05  # relative miss that is accepted on a coarse grid, which cannot tell y better
 TRIALS = 5  # changes of x by predictions on one grid
 CORRECTIONS = 60  # all changes of x
+# Relative difference of loads below which they are one. Chosen: rounding errors are 1e-14, and a
+# single elastic point more takes 1e-9 of the load on the largest grids.
+AT_ONE_LOAD = 1e-12
 BEYOND = 1.5  # way beyond the end of a plateau, over the way from its last bound to this end
 
 Value = tuple[float, float]  # a value and its relative error
@@ -319,4 +322,18 @@ class Root(Target):
         y, error = self.certified(solver, certificate)
         if not (solved or self.miss(y) > error):
             return False
-        return self._continue(solver, self.propose(y, error, certified=True))
+        self.note = self._note_on_jump()
+        return self._continue(solver, None if self.note else self.propose(y, error, certified=True))
+
+    def _note_on_jump(self) -> str | None:
+        """Return the note on a value that jumps past the aim at one load, else None."""
+        if self.low is None or self.high is None or self.in_steps:
+            return None
+        below, above = (self.p0_of(bound.x) for bound in (self.low, self.high))
+        if above - below > AT_ONE_LOAD * above:
+            return None
+        shares = sorted((self.low.value / self.aim, self.high.value / self.aim))
+        return (
+            f"{self.quantity} jumps at this load, from {shares[0]:.3g} to {shares[1]:.3g} times"
+            " what is asked: all points in contact yield"
+        )

@@ -356,3 +356,13 @@ def test_an_area_that_jumps_across_the_target(z, settings, target):
     assert contact.status == "converged"
     assert contact.pairs < allowed_pairs
     assert is_nearest_area(contact, plain, target, settings["accuracy"])
+
+
+def test_a_gap_that_no_load_holds():
+    """A plate beside a groove yields as a whole before it reaches the ground of the groove."""
+    z = np.zeros((16, 16))
+    z[8] = -1
+    solution = hpc_gfmd.solve(z, gap_mean=0.02, hardness=0.05, boundary="periodic")
+    assert solution.status == "stagnated"
+    assert "gap_mean jumps at this load, from " in solution.note
+    assert solution.p == pytest.approx(0.05 * 15 / 16, rel=1e-6)
