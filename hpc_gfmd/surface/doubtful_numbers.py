@@ -23,12 +23,10 @@ def slope_notes(g_rms: float, measured: bool) -> list[SurfaceWarning]:
     return []
 
 
-def stand_in_notes(
-    z: np.ndarray, missing: Sequence[float] = (), whole: bool = True
-) -> list[SurfaceWarning]:
+def stand_in_notes(z: np.ndarray, missing: Sequence[float] = ()) -> list[SurfaceWarning]:
     """Return a note on a whole number that several points of a map as it is read have in common,
     further from all others than these from each other: it may stand for missing points, unless it
-    is known to. whole: of the map, or some of its rows.
+    is known to.
     """
     lowest = np.fmin.reduce(z, axis=None)
     highest = np.fmax.reduce(z, axis=None)
@@ -45,9 +43,8 @@ def stand_in_notes(
             text = f"{number:.15g}"
             if float(text) != number:
                 text = repr(float(number))
-            points, others = (f"{count} points", "all others") if whole else ("points", "others")
             note = (
-                f"{points} are {text}, {others} {low:g} to {high:g}: does it stand for"
+                f"{count} points are {text}, all others {low:g} to {high:g}: does it stand for"
                 " missing points? They are pressed as they are;"
                 f' missing = ["{text}"] and fill = "harmonic" replace them'
             )

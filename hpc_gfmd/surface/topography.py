@@ -34,7 +34,6 @@ OBLONG = 0.05  # of points that are not square, at least
 # without them.
 NUMBERS = {"text": (1.4, 2.0), "x, y, z": (3.6, 9.2)}
 OTHER_NUMBERS = (2.1, 2.1)
-LOOKED_AT = 48  # rows of a map that is not read whole; all of a smaller one
 SIZES = 1e-9, 1.0  # m: no instrument measures less, or more
 
 
@@ -181,27 +180,23 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
         )
     n = data.shape[::-1] if metadata.transposed else data.shape
 
-    def read(start: int, stop: int) -> np.ndarray:
+    def rows(start: int, stop: int) -> np.ndarray:
         try:
             with np.errstate(over="ignore"):  # of long double; infinity is seen below
-                return _rows_of(data, metadata, start, stop, n[0])
+                z = _rows_of(data, metadata, start, stop, n[0])
         except Exception as error:
             if is_mistake(error):
                 raise
             raise SceneError(
                 f"surface.path: reading {path} failed: {one_line(str(error))}"
             ) from None
-
-    def rows(start: int, stop: int) -> np.ndarray:
-        z = read(start, stop)
         require_finite(z, start, "surface.path", f" in {path}", missing=True)
         return units.height * z
 
     is_read = isinstance(data, np.ndarray) and not isinstance(data, np.memmap)
     notes = (*_notes_on_reading(metadata, spec, n), *units.notes, *_notes_on_sizes(n, units))
-    if spec.height_range is None:  # else numbers of the file are not heights yet
-        looked_at = data if is_read else _some_rows(read, n[0])
-        notes += tuple(stand_in_notes(looked_at, metadata.missing, whole=is_read))
+    if is_read and spec.height_range is None:  # else numbers of the file are not heights yet
+        notes += tuple(stand_in_notes(data, metadata.missing))
     return Topography(
         n,
         units.sizes,
@@ -282,12 +277,6 @@ def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> 
     if metadata.missing:
         z = np.where(np.isin(z, metadata.missing), np.nan, z)
     return z
-
-
-def _some_rows(read: Rows, n_x: int) -> np.ndarray:
-    """Read a few rows of a map, evenly from the first to the last; all if it has no more."""
-    count = min(n_x, LOOKED_AT)
-    return np.concatenate([read(i, i + 1) for i in np.linspace(0, n_x - 1, count).astype(int)])
 
 
 def _notes_on_reading(

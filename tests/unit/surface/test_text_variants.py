@@ -117,19 +117,6 @@ def test_a_number_that_may_stand_for_missing_points(tmp_path, number, text):
     assert not any("stand for" in note for note in filled.notes)
 
 
-@pytest.mark.parametrize("n_x", [30, 200])
-def test_stand_ins_of_maps_that_are_read_by_rows(tmp_path, n_x):
-    """Some rows are looked at, evenly, of a small map all."""
-    z = np.random.default_rng(0).normal(size=(n_x, 8)).round(3)
-    z[10:25, 5] = -9999
-    np.save(tmp_path / "z.npy", z)
-    keys = {"physical_sizes": (1.0, 1.0), "boundary": "mirror"}
-    with pytest.warns(SurfaceWarning, match="^points are -9999, others -"):
-        hpc_gfmd.read_surface(tmp_path / "z.npy", **keys)
-    filled = hpc_gfmd.read_surface(tmp_path / "z.npy", missing=["-9999"], fill="harmonic", **keys)
-    assert not any("stand for" in note for note in filled.notes)
-
-
 @pytest.mark.parametrize("deep", [[-9999.0], [-4.0, -4.5], [-50.25, -50.25]])
 def test_deep_points_are_no_stand_ins(tmp_path, deep):
     """A single one, several of different depths, and a bottom that is no whole number."""
