@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 
 from .base import Contact, Observable
+from .peak import may_open
 
 EDGE_CORRECTION = (np.pi - 1 + np.log(2)) / 24
 EDGE_1D = 0.7  # points by which whole points miss one edge in one dimension, at most
@@ -64,16 +65,18 @@ def a_r_discretisation(contact: Contact) -> float:
     The estimate is (b S + 3 sqrt(m (S + M)/12))/n_c for n_c points in contact, S sides to open
     points and M to mirror images: the full edge correction, and three times the random error of
     rounding each side to whole points, which m mirror images share. In one dimension it is
-    EDGE_1D S/n_c, as the edges of one wave miss alike. docs/accuracy.md has the measurements.
+    EDGE_1D S/n_c, as the edges of one wave miss alike. Next to full contact points are added that
+    may open between them (peak.py: may_open). docs/accuracy.md has the measurements.
     """
     sides = _sides_to_open(contact)
     if contact.contact_points == 0:
         return float("inf")
+    opening = may_open(contact)
     if 1 in contact.grid.nominal:
-        return EDGE_1D * sides / contact.contact_points
+        return (EDGE_1D * sides + opening) / contact.contact_points
     rounded = sides + contact.edges.mirrored if sides else 0
     by_chance = BY_CHANCE * LATTICE * np.sqrt(contact.surface.images * rounded)
-    return float(EDGE_CORRECTION * sides + by_chance) / contact.contact_points
+    return float(EDGE_CORRECTION * sides + by_chance + opening) / contact.contact_points
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:

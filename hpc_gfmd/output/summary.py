@@ -1,9 +1,12 @@
 """One-line descriptions of loads and surfaces; numbers with their significant digits."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import floor, inf, isfinite, isnan, log10, nan
-from typing import TypeGuard
+from math import exp, floor, inf, isfinite, isnan, log10, nan, pi, prod, sqrt
+from statistics import NormalDist
+from typing import Any, TypeGuard
+
+import numpy as np
 
 from ..scene import each
 from ..util.quantities import prefixed
@@ -12,22 +15,25 @@ DIGITS = 4  # of a number without an error estimate
 MAX_DIGITS = 6
 FINE = ("converged", "separated")  # statuses
 HELD_GAPS = ("target_gap_mean", "target_gap_over_h_rms")
+HELD_AREA = "target_a_r"
 LENGTHS = (*HELD_GAPS, "target_approach")  # of held loads
 AREA = "a_r_error", "a_r_discretisation"
 AREA_NUMBERS = "a_r", "a_r_corrected", "a_r_discretisation", "a_r_error"
 TOO_LARGE = ("a_r", "contact_area", "kappa")  # by what points at the edge of the contact add
 TOO_SMALL = ("contact_pressure_mean",)  # the load over such an area
 CORRECTION_ERROR = 0.35  # of the edge correction: refined walls had 0.65 to 1.3 times of it
+# Error of a critical gap by the grid, over g_rms times the spacing. Measured on 604 channels of
+# random and self-affine walls: half of the errors are below 0.03, 1 in 100 above 0.3.
+AT_SADDLES = 0.3
 GAP = "gap_error", "gap_discretisation"
+GAPS = ("gap_mean", "gap_over_h_rms", "gap_over_g_rms_lam_s")
 ERRORS = {  # relative errors of a number by the solver and by the grid
     "a_r": AREA,
     "contact_area": AREA,
     "kappa": AREA,
     "contact_pressure_mean": AREA,
     "contact_pressure_max": ("pressure_error", "pressure_max_discretisation"),
-    "gap_mean": GAP,
-    "gap_over_h_rms": GAP,
-    "gap_over_g_rms_lam_s": GAP,
+    **dict.fromkeys(GAPS, GAP),
     "p": ("p_error", ""),
 }
 
@@ -170,8 +176,13 @@ def estimate(value: float, name: str, step: dict) -> str:
 
 def error_bars(name: str, step: dict) -> tuple[float, float] | None:
     """Return relative errors, too large by and too small by, of a number, or None; p/a_r may be too
-    small by more than a_r is too large.
+    small by more than a_r is too large. At a prescribed area the pressure has its errors, the other
+    way round.
     """
+    if name == "p" and HELD_AREA in step:
+        of_area = error_bars("a_r", step)
+        steepness = _steepness(step["a_r"])
+        return None if of_area is None else (of_area[1] * steepness, of_area[0] * steepness)
     error = combined_error(name, step)
     if error is None:
         return None
@@ -180,6 +191,14 @@ def error_bars(name: str, step: dict) -> tuple[float, float] | None:
     if name in TOO_SMALL:
         return area_above / (1 + area_above), error / (1 - error) if error < 1 else inf
     return error, area_above
+
+
+def _steepness(a_r: float) -> float:
+    """Return d log p/d log a_r by Persson's theory, a_r = erf(c p); inf at full contact."""
+    if not 0 < a_r < 1:
+        return inf
+    x = NormalDist().inv_cdf((1 + a_r) / 2) / sqrt(2)
+    return sqrt(pi) * a_r * exp(x * x) / (2 * x)
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:
@@ -204,11 +223,28 @@ def combined_error(name: str, step: dict) -> float | None:
         edge, *random_and_solver = area_errors
         relative_to_a_r = CORRECTION_ERROR * edge + sum(random_and_solver)
         return relative_to_a_r * step["a_r"] / step["a_r_corrected"]
+    if name in GAPS and step["gap_mean"] == 0 and step.get("a_r_discretisation"):
+        return inf  # of points that touch, and may open between them
     of_solver, of_grid = ERRORS.get(name, ("", ""))
     if any(target in step for target in HELD_GAPS):
         of_grid = {"gap_error": "", "p_error": "gap_discretisation"}.get(of_solver, of_grid)
     parts = [part for part in (step.get(of_solver), step.get(of_grid)) if is_number(part)]
     return sum(parts) if parts else None
+
+
+def critical_gap_error(
+    critical_gap: Any, gap_mean: Any, of_mean_gap: Any, surface: Mapping[str, Any] | None
+) -> Any:
+    """Return the relative error of a critical gap, a number or an array; inf for 0. of_mean_gap:
+    relative error of the mean gap, whose absolute one counts; surface: its attributes, by which the
+    grid misses the narrowest place of the channel; None: without that.
+    """
+    of_grid = 0.0
+    if surface is not None:
+        spacing = sqrt(prod(surface["physical_sizes"]) / prod(surface["n"]))
+        of_grid = AT_SADDLES * surface["g_rms"] * spacing
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (np.multiply(of_mean_gap, gap_mean) + of_grid) / critical_gap
 
 
 def is_number(value: object) -> TypeGuard[float]:

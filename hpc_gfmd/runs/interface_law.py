@@ -16,7 +16,7 @@ import numpy as np
 from ..contact import all_numbers, all_observables
 from ..output.interface_law import LOAD_AT, QUANTITIES, InterfaceLaw, interpolate
 from ..output.numbers import unit_of
-from ..output.summary import error_bars
+from ..output.summary import critical_gap_error, error_bars
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, finite_number, parse
 from .law_sampler import Sampler, Steps
@@ -31,6 +31,9 @@ UNEVEN = (
 # of 120 walls with 20 to 5,000 points in contact 0.2 % have an area or stiffness beyond them, 14 to
 # 25 % without; with 2 it would be 0.5 %.
 BY_CHANCE = 3.0
+# Relative error of a stiffness over that of a_r times (1 - a_r)^-3/2. Measured on 398 walls: 3
+# errors were larger, by a fifth at most; half of them are below 0.02.
+OF_STIFFNESS = 0.5
 OF_GRID = ("a_r_discretisation", "gap_discretisation", "a_r_corrected")  # tell errors by the grid
 Sample = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
 
@@ -184,7 +187,7 @@ class _Curves:
             deviations[name] = deviation
             ends = [_mean(name, self.steps[pressure]) for pressure in interval]
             closes = min(ends) == 0 < max(ends)  # somewhere within the interval
-            of_load = _estimated_error(name, self.steps[middle], of_grid=False)
+            of_load = _estimated_error(name, self.steps[middle])
             halves = ((interval[0], middle), (middle, interval[1]))
             by_chance = max(self._by_chance(name, *half) for half in halves)
             accurate = max(deviation, by_chance) <= max(self.error, of_load)
@@ -233,7 +236,7 @@ class _Curves:
         return InterfaceLaw(
             np.array(pressures),
             values,
-            {name: self._errors(name, pressures) for name in names},
+            {name: self._errors(name, pressures, surface) for name in names},
             {name: np.array([_scatter(name, self.steps[p]) for p in pressures]) for name in names},
             gap_at_touch,
             {
@@ -245,7 +248,9 @@ class _Curves:
             tuple(about),
         )
 
-    def _errors(self, name: str, pressures: Sequence[float]) -> np.ndarray:
+    def _errors(
+        self, name: str, pressures: Sequence[float], surface: Mapping[str, Any]
+    ) -> np.ndarray:
         """Return the relative error of a quantity at each pressure: the load's own plus the largest
         of the `deviations`, and those by chance, of two intervals on either side, as one alone may
         be small by chance.
@@ -256,7 +261,7 @@ class _Curves:
         ]
         return np.array(
             [
-                _estimated_error(name, self.steps[pressure])
+                _estimated_error(name, self.steps[pressure], surface)
                 + min(max(between[max(k - 2, 0) : k + 2]), 1.0)
                 for k, pressure in enumerate(pressures)
             ]
@@ -276,27 +281,31 @@ def _scatter(name: str, steps: Steps) -> float:
     return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0  # type: ignore[arg-type]
 
 
-def _estimated_error(name: str, steps: Steps, of_grid: bool = True) -> float:
-    """Return the largest relative error of a quantity over the surfaces at one load, with or
-    without the error by the grid, which is nearly the same at near loads.
+def _estimated_error(name: str, steps: Steps, surface: Mapping[str, Any] | None = None) -> float:
+    """Return the largest relative error of a quantity over the surfaces at one load, without the
+    error by the grid if there is no `surface` (attributes): it is nearly the same at near loads.
     """
-    return max(_relative_error(name, step, of_grid) for step in steps)
+    return max(_relative_error(name, step, surface) for step in steps)
 
 
-def _relative_error(name: str, step: Mapping[str, Any], of_grid: bool) -> float:
+def _relative_error(name: str, step: Mapping[str, Any], surface: Mapping[str, Any] | None) -> float:
     """Return the relative error of a number by solver and grid: that of a table, or the solver's
-    alone. A stiffness scales with the radii of the spots: half the error of a_r; a critical gap has
-    the absolute error of the mean gap.
+    alone. A stiffness scales with the radii of the spots, half the error of a_r, and next to full
+    contact with those of the last openings.
     """
-    if not of_grid:
+    if surface is None:
         step = {key: value for key, value in step.items() if key not in OF_GRID}
     of_solver = float(max(step["gap_error"], step["pressure_error"]))
     if name in ("stiffness", "conductance"):
-        return of_solver + 0.5 * float(step.get("a_r_discretisation") or 0.0)
+        of_area = float(step.get("a_r_discretisation") or 0.0)
+        is_open = max(1 - float(step["a_r"]), 1e-300)
+        return of_solver + OF_STIFFNESS * of_area / is_open**1.5
     if name.startswith("critical_gap"):
         value = step.get(name)
         of_the_gap = float(step["gap_error"]) + float(step.get("gap_discretisation") or 0.0)
-        return of_the_gap * float(step["gap_mean"] / value) if value else 0.0
+        if not value:
+            return 0.0
+        return float(critical_gap_error(value, step["gap_mean"], of_the_gap, surface))
     bars = error_bars(name, dict(step))
     return of_solver if bars is None else float(max(bars))
 

@@ -1,5 +1,6 @@
 """The discretisation error of the contact area: its estimate, and where it is reported."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -60,6 +61,38 @@ def test_rough(hurst, p_star):
     error, estimate = errors_and_estimates(surface, p, (2, 4, 8), 16).T
     assert ((error > 0.4 * estimate) & (error < estimate)).all()
     assert (estimate[1:] < 0.75 * estimate[:-1]).all()
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("share", [0.95, 0.98, 0.995, 0.999])
+@pytest.mark.parametrize("waves", [1, 2])
+def test_waves_next_to_full_contact(waves, share, offset):
+    """Waves along one axis and along both open between points; all may touch on the grid."""
+    x = (np.arange(24) + offset) / 24
+    fine = (np.arange(384) + 0.5) / 384
+
+    def solved(x):
+        z = 0.01 * np.outer(np.cos(2 * np.pi * x), np.cos(2 * np.pi * (waves - 1) * x))
+        p = share * 0.01 * np.pi * np.sqrt(waves)
+        return hpc_gfmd.solve(z, p, boundary="periodic", accuracy=1e-4)
+
+    solution = solved(x)
+    missed = abs(solution.a_r - solved(fine).a_r)
+    assert missed <= solution.a_r * solution.a_r_discretisation
+    if solution.gap_mean == 0:
+        assert "mean gap = 0," in str(solution)  # without +- 0
+
+
+@pytest.mark.parametrize("a_r", [0.05, 0.2, 0.6, 0.9])
+def test_pressure_at_a_prescribed_area(a_r):
+    """A finer grid needs a larger pressure for the same area; at full contact it is not known."""
+    coarse, fine = (
+        hpc_gfmd.solve(rough_wall((2, 16, waves)), a_r=a_r, accuracy=1e-4) for waves in (4, 32)
+    )
+    below, above = error_bars("p", coarse.result.steps[0])
+    assert -below < fine.p / coarse.p - 1 < above < 0.7
+    assert re.search(r"p = [\d.]+ \+[\d.]+ -[\d.]+,", str(coarse))
+    assert "+- ?, mean gap" in str(hpc_gfmd.solve(rough_wall((2, 16, 4)), a_r=1.0))
 
 
 def test_a_profile():
