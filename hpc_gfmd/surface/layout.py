@@ -14,19 +14,22 @@ WORDS = (  # in any case
 )
 MISSING = frozenset(["", *WORDS, *(sign * k for sign in "*-" for k in range(1, 12))])
 _COMMENT = re.compile(r"(?:^|\s)#.*")  # not within a token
+_COMMA_AND_SPACE = re.compile(r",(?:\s+|$)")  # between numbers with decimal commas
+_ONLY_DECIMALS = re.compile(r"-0,\d|\d,0\d")  # a comma in these is not between whole numbers
 
 
 @dataclass(frozen=True)
 class TextLayout:
     """How the numbers of a text are written."""
 
-    mark: str | None  # what separates numbers; None: white space
+    mark: str | None  # between numbers; None: white space; "," and white space if decimal is ","
     decimal: str  # "." or ","
     missing: frozenset[str]  # texts that stand for missing points, in lower case
     columns: int = 0  # numbers in a line; 0 if no line can be read
     header_lines: int = 0  # lines before the numbers
     ended: bool = False  # whether every line ends with a mark, after which there is no number
-    numbers: int = 0  # in the lines that were looked at
+    lines: int = 0  # of so many columns, among those that were looked at
+    numbers: int = 0  # in these lines
 
     def tokens(self, line: str) -> list[str]:
         """Split a line into the texts of its numbers, without a comment or a mark at its end."""
@@ -38,8 +41,12 @@ class TextLayout:
             return line.split()
         if '"' in line:
             tokens = next(csv.reader([line], delimiter=self.mark), [])
+        elif not line.strip():
+            tokens = []
+        elif self.mark == self.decimal:
+            tokens = _COMMA_AND_SPACE.split(line.strip("\r\n"))
         else:
-            tokens = line.strip("\r\n").split(self.mark) if line.strip() else []
+            tokens = line.strip("\r\n").split(self.mark)
         tokens = [token.strip() for token in tokens]
         is_ended = self.ended and len(tokens) == self.columns + 1 and not tokens[-1]
         return tokens[:-1] if is_ended else tokens
@@ -64,7 +71,8 @@ class TextLayout:
 
 def layout_of(lines: list[str], spec: Any) -> TextLayout:
     """Return the layout that reads most numbers of the first lines; spec.decimal, skip_lines and
-    missing override. ValueError without numbers, or if the header seems to end with some.
+    missing override. ValueError without numbers, if the header seems to end with some, or if commas
+    may be decimal ones.
     """
     missing = MISSING | {text.lower() for text in spec.missing}
     skip = spec.skip_lines or 0
@@ -72,7 +80,6 @@ def layout_of(lines: list[str], spec: Any) -> TextLayout:
         _measured(TextLayout(mark, decimal, missing), lines, skip)
         for decimal in ((spec.decimal,) if spec.decimal else (".", ","))
         for mark in MARKS
-        if mark != decimal or any('"' in line for line in lines)  # quoted numbers hold marks
     ]
     layout = max(candidates, key=lambda layout: (layout.numbers, layout.mark is not None))
     if not layout.columns:
@@ -83,6 +90,9 @@ def layout_of(lines: list[str], spec: Any) -> TextLayout:
             f"there are no lines of numbers {where}, in {len(rest)} lines; it begins with"
             f" {begin[:40]!r}"
         )
+    if layout.mark == "," and spec.decimal is None:
+        with_commas = next(c for c in candidates if c.mark == c.decimal)
+        layout = _one_meaning_of_commas(layout, with_commas, lines)
     if spec.skip_lines is None:
         _require_header(lines, layout)
     return layout
@@ -96,6 +106,7 @@ def is_comment(line: str) -> bool:
 def _measured(layout: TextLayout, lines: list[str], skip: int) -> TextLayout:
     """Return a layout with the number of columns whose lines hold the most numbers in total."""
     numbers_of: dict[int, int] = {}  # {columns: numbers in lines of so many}
+    lines_of: dict[int, int] = {}
     first_of: dict[int, int] = {}
     open_ends: set[int] = set()  # columns of lines that do not end with a mark
     for k, line in enumerate(lines[skip:], skip):
@@ -105,6 +116,7 @@ def _measured(layout: TextLayout, lines: list[str], skip: int) -> TextLayout:
         if numbers is None or (numbers == 0 and columns < 3):
             continue
         numbers_of[columns] = numbers_of.get(columns, 0) + numbers
+        lines_of[columns] = lines_of.get(columns, 0) + 1
         first_of.setdefault(columns, k)
         if tokens[-1]:
             open_ends.add(columns)
@@ -117,8 +129,28 @@ def _measured(layout: TextLayout, lines: list[str], skip: int) -> TextLayout:
         columns=columns - ended,
         header_lines=first_of[columns],
         ended=ended,
+        lines=lines_of[columns],
         numbers=numbers_of[columns],
     )
+
+
+def _one_meaning_of_commas(
+    layout: TextLayout, with_commas: TextLayout, lines: list[str]
+) -> TextLayout:
+    """Return which of two layouts explains that a text has commas with and without white space
+    after them. ValueError if these may be decimal commas or may separate whole numbers.
+    """
+    is_explained = with_commas.columns > 1 and with_commas.lines >= layout.lines
+    if not is_explained or with_commas.numbers >= layout.numbers:
+        return layout
+    numbers = lines[with_commas.header_lines :]
+    if with_commas.lines == layout.lines and not any(map(_ONLY_DECIMALS.search, numbers)):
+        where = f"line {with_commas.header_lines + 1}"
+        raise ValueError(
+            f"{where}: found {numbers[0].strip()[:40]!r}, in which commas may be decimal ones,"
+            ' allowed: surface.decimal = ",", or "." if all commas separate numbers'
+        )
+    return with_commas
 
 
 def _require_header(lines: list[str], layout: TextLayout) -> None:

@@ -73,6 +73,56 @@ def test_quoted_numbers_with_decimal_commas(mark):
     assert np.array_equal(opened("z.csv", **KEYS).rows(0, 240), Z)
 
 
+@pytest.mark.parametrize("end", ["", ", "])
+@pytest.mark.parametrize("keys", [{}, {"decimal": ","}])
+def test_decimal_commas_between_commas_and_spaces(keys, end):
+    """A comma before white space separates; whole numbers, holes and names are read, too."""
+    rows = [[f"{z:.15g}".replace(".", ",") for z in row] for row in Z]
+    rows[3][2] = "5"
+    rows[4][2] = "nan"
+    numbers = "".join(", ".join(row) + end + "\n" for row in rows)
+    Path("z.txt").write_text("heights, in um\n" + numbers)
+    wanted = Z.copy()
+    wanted[3:5, 2] = 5, np.nan
+    assert np.array_equal(opened("z.txt", **KEYS, **keys).rows(0, 240), wanted, equal_nan=True)
+
+
+@pytest.mark.parametrize(
+    ("line", "decimal", "numbers"),
+    [
+        ("1, 2, 3", None, [1, 2, 3]),
+        ("1,2,3", None, [1, 2, 3]),
+        ("1.5, 2.5,3.5", None, [1.5, 2.5, 3.5]),
+        ("1,2, 3,-4", None, [1, 2, 3, -4]),  # a sign begins a number
+        ("1000,2000,1000, 100", None, [1000, 2000, 1000, 100]),
+        ("1,2, 3,4, 5,6", ".", [1, 2, 3, 4, 5, 6]),
+        ("1,2, 3,4, 5,6", ",", [1.2, 3.4, 5.6]),
+        ("1, 2, 3", ",", [1, 2, 3]),
+        ("-0,2, 3,4, 5,6", None, [-0.2, 3.4, 5.6]),
+        ("1,2, 3,04, 5,6", None, [1.2, 3.04, 5.6]),
+    ],
+)
+def test_commas_with_and_without_spaces(line, decimal, numbers):
+    Path("z.txt").write_text(f"{line}\n" * 4)
+    keys = {"coordinates": "none"} | ({"decimal": decimal} if decimal else {})
+    assert np.array_equal(opened("z.txt", **KEYS, **keys).rows(0, 4), [numbers] * 4)
+
+
+def test_columns_of_one_width_are_whole_numbers():
+    """With decimal commas, the lines would have different numbers of columns."""
+    z = np.random.default_rng(0).integers(90, 110, (8, 5))
+    Path("z.txt").write_text("\n".join(",".join(f"{z:3d}" for z in row) for row in z))
+    assert np.array_equal(opened("z.txt", **KEYS).rows(0, 8), z)
+
+
+@pytest.mark.parametrize("line", ["1,2, 3,4", "1,2, 3, 5,6", "12,34, 56,78, 9,1e-3"])
+def test_commas_of_two_meanings_are_refused(line):
+    """Pairs of whole numbers, or numbers with decimal commas."""
+    Path("z.txt").write_text(f"{line}\n" * 4)
+    with refused("line 1: .*be decimal ones, allowed: surface.decimal"):
+        opened("z.txt", **KEYS)
+
+
 DAMAGE = {
     "one number less": lambda line: line.rpartition("\t")[0],
     "one number more": lambda line: f"{line}\t1.0",
