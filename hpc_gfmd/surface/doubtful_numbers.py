@@ -11,6 +11,7 @@ NO_MODULUS = "no modulus is given: E_star = 1 is taken, and pressures are in uni
 SMALL_SLOPE = 1.0 + 1e-6  # 1 itself has rounding errors
 REAL_SLOPES = (1e-5, 30.0)  # of measured surfaces
 OVERLOAD = 10.0  # mean pressure over E*
+FAR_AWAY = 100.0  # of a single point from all others, over the range of these
 
 
 def slope_notes(g_rms: float, measured: bool) -> list[SurfaceWarning]:
@@ -25,8 +26,8 @@ def slope_notes(g_rms: float, measured: bool) -> list[SurfaceWarning]:
 
 def stand_in_notes(z: np.ndarray, missing: Sequence[float] = ()) -> list[SurfaceWarning]:
     """Return a note on a whole number that several points of a map as it is read have in common,
-    further from all others than these from each other: it may stand for missing points, unless it
-    is known to.
+    further from all others than these from each other, or a single one, far further: it may stand
+    for missing points, unless it is known to.
     """
     lowest = np.fmin.reduce(z, axis=None)
     highest = np.fmax.reduce(z, axis=None)
@@ -39,14 +40,16 @@ def stand_in_notes(z: np.ndarray, missing: Sequence[float] = ()) -> list[Surface
         apart = max(low - float(lowest), float(highest) - high)
         count = np.count_nonzero(z == number)
         is_known = float(number) in missing or not float(number).is_integer()
-        if count > 1 and not is_known and apart > high - low > 0:
+        is_single = count == 1
+        distance = FAR_AWAY if is_single else 1.0
+        if not is_known and high > low and apart > distance * (high - low):
             text = f"{number:.15g}"
             if float(text) != number:
                 text = repr(float(number))
             note = (
-                f"{count} points are {text}, all others {low:g} to {high:g}: does it stand for"
-                " missing points? They are pressed as they are;"
-                f' missing = ["{text}"] and fill = "harmonic" replace them'
+                f"{count} {'point is' if is_single else 'points are'} {text}, all others {low:g} to"
+                f" {high:g}: does it stand for missing heights? It is pressed as a height;"
+                f' missing = ["{text}"] and fill = "harmonic" replace it'
             )
             return [SurfaceWarning(note)]
     return []

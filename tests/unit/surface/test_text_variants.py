@@ -167,9 +167,21 @@ def test_a_number_that_may_stand_for_missing_points(tmp_path, number, text):
     assert not any("stand for" in note for note in filled.notes)
 
 
-@pytest.mark.parametrize("deep", [[-9999.0], [-4.0, -4.5], [-50.25, -50.25]])
+def test_a_single_number_that_may_stand_for_a_missing_point():
+    """One that is more than a hundred ranges of all others away, on either side."""
+    z = np.linspace(0.5, 2.5, 64).reshape(8, 8)
+    for number in (-9999.0, -200.0, 9999.0):
+        z[3, 5] = number
+        (note,) = stand_in_notes(z)
+        assert f"1 point is {number:g}, all others 0.5 to 2.5" in str(note)
+        assert stand_in_notes(z, missing=[number]) == []
+
+
+@pytest.mark.parametrize("deep", [[-90.0], [-9999.5], [-4.0, -4.5], [-50.25, -50.25]])
 def test_deep_points_are_no_stand_ins(tmp_path, deep):
-    """A single one, several of different depths, and a bottom that is no whole number."""
+    """A single one that is not far away or no whole number, several of different depths, and a
+    bottom that is no whole number.
+    """
     z = np.random.default_rng(0).normal(size=(8, 8)).round(3)
     z[0, : len(deep)] = deep
     np.savetxt(tmp_path / "z.txt", z)
