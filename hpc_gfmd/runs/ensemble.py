@@ -114,8 +114,8 @@ class Ensemble:
         self,
         viscosity: float | str,
         pressure_drop: float | str,
-        width: float | str = 1.0,
-        length: float | str = 1.0,
+        width: float | str | None = None,
+        length: float | str | None = None,
         axis: str = "x",
     ) -> np.ndarray:
         """Return the mean leak rate over the results, as `Solutions.leak_rate`.

@@ -216,8 +216,8 @@ class Solved:
         self,
         viscosity: float | str,
         pressure_drop: float | str,
-        width: float | str = 1.0,
-        length: float | str = 1.0,
+        width: float | str | None = None,
+        length: float | str | None = None,
         axis: str = "x",
     ) -> Any:
         """Estimate the leak rate of a seal by the theory of the critical junction.
@@ -232,9 +232,9 @@ class Solved:
             Viscosity of the fluid, in Pa s, or as "1 mPa s".
         pressure_drop : float or str
             Pressure drop of the fluid over the seal, in Pa, or as "1 bar".
-        width, length : float or str
+        width, length : float or str, optional
             Extent of the seal across and along the flow; only their ratio matters. Both plain, or
-            as "30 cm".
+            both as "30 cm". Default: a square seal.
         axis : {"x", "y"}
             Direction of the flow.
 
@@ -247,8 +247,8 @@ class Solved:
         Raises
         ------
         SceneError
-            For numbers out of range, and if the result has no critical gap and lacks pressure or
-            gap to compute it.
+            For numbers out of range, for a width or a length that is alone or the only one with a
+            unit, and if the result has no critical gap and lacks pressure or gap to compute it.
         """
         from ..theory.leak import leak_rate
 
@@ -257,8 +257,14 @@ class Solved:
         critical_gap = self._get(f"critical_gap_{axis}")
         eta = _number("viscosity", viscosity, "viscosity")
         drop = _number("pressure_drop", pressure_drop, "pressure")
-        extents = _number("width", width, "length"), _number("length", length, "length")
-        rate = leak_rate(critical_gap, eta, drop, *extents)
+        if None not in (width, length) and isinstance(width, str) != isinstance(length, str):
+            raise SceneError(
+                f"width, length: found {width!r} and {length!r}, allowed: both with units or both"
+                " plain"
+            )
+        across = None if width is None else _number("width", width, "length")
+        along = None if length is None else _number("length", length, "length")
+        rate = leak_rate(critical_gap, eta, drop, across, along)
         return float(rate) if rate.ndim == 0 else rate
 
     def leak_rate_error(self, axis: str = "x") -> Any:

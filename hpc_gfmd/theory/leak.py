@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..util.errors import SceneError
 from .checks import within
 
 
@@ -10,8 +11,8 @@ def leak_rate(
     critical_gap: ArrayLike,
     viscosity: float,
     pressure_drop: float,
-    width: float = 1.0,
-    length: float = 1.0,
+    width: float | None = None,
+    length: float | None = None,
 ) -> np.ndarray:
     """Estimate the volume per time that leaks through a seal, Q = (w/l) g_c^3 dp/(12 eta).
 
@@ -24,8 +25,9 @@ def leak_rate(
         eta of the fluid, in Pa s.
     pressure_drop : float
         dp of the fluid over the seal, in Pa.
-    width, length : float
-        Extent of the seal across and along the flow; only their ratio matters.
+    width, length : float, optional
+        Extent of the seal across and along the flow, both or neither; only their ratio matters.
+        Default: a square seal.
 
     Returns
     -------
@@ -35,7 +37,7 @@ def leak_rate(
     Raises
     ------
     SceneError
-        If a number is out of range.
+        If a number is out of range, or only one of width and length is given.
 
     Notes
     -----
@@ -48,6 +50,12 @@ def leak_rate(
     gap = within("critical_gap", critical_gap, 0, np.inf)
     eta = within("viscosity (Pa s)", viscosity, 0, np.inf, open_low=True)
     drop = within("pressure_drop", pressure_drop, 0, np.inf)
-    across = within("width", width, 0, np.inf, open_low=True)
-    along = within("length", length, 0, np.inf, open_low=True)
-    return across / along * gap**3 * drop / (12 * eta)
+    squares = 1.0  # side by side
+    if width is not None and length is not None:
+        across = within("width", width, 0, np.inf, open_low=True)
+        along = within("length", length, 0, np.inf, open_low=True)
+        squares = across / along
+    elif width is not None or length is not None:
+        found = "a length" if width is None else "a width"
+        raise SceneError(f"width, length: found {found} alone, allowed: both, or neither")
+    return squares * gap**3 * drop / (12 * eta)

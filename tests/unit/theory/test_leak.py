@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from contacts import rough_wall
+from refusal import refused
 
 import hpc_gfmd
 from hpc_gfmd.theory.leak import leak_rate
@@ -17,7 +18,8 @@ def test_square_plates():
 
 def test_numbers_out_of_range_are_refused():
     for name, value in [("viscosity", 0.0), ("pressure_drop", -1.0), ("width", 0.0)]:
-        arguments = {"viscosity": 1e-3, "pressure_drop": 1e5} | {name: value}
+        arguments = {"viscosity": 1e-3, "pressure_drop": 1e5, "width": 1.0, "length": 1.0}
+        arguments[name] = value
         with pytest.raises(SceneError, match=name):
             leak_rate(1e-6, **arguments)
 
@@ -43,7 +45,7 @@ def test_a_seal_leaks_less_with_load_and_closes():
     assert rates[-1] == 0
     critical = loads[0].value("critical_gap_y")
     expected = 3 * critical**3 * 1e5 / 12e-3
-    assert loads[0].leak_rate(1e-3, 1e5, width=3.0, axis="y") == pytest.approx(expected)
+    assert loads[0].leak_rate(1e-3, 1e5, width=3.0, length=1.0, axis="y") == pytest.approx(expected)
     for viscosity in ("1 mPa s", "1 mPa*s", "1e-3 N s/m^2", "1 cP"):
         in_units = loads[0].leak_rate(viscosity, "1 bar", width="30 cm", length="10 cm", axis="y")
         assert in_units == pytest.approx(expected)
@@ -58,5 +60,11 @@ def test_a_seal_leaks_less_with_load_and_closes():
         loads.leak_rate(1e-3, "1 mm")
     with pytest.raises(SceneError, match=r"viscosity: found '1 mPa', .* pressure, not of"):
         loads.leak_rate("1 mPa", "1 bar")
+    for extents in ({"width": "30 cm"}, {"width": 30}, {"length": "1 mm"}):
+        with refused("width, length: found a (width|length) alone"):
+            loads.leak_rate(1e-3, 1e5, **extents)
+    for extents in ({"width": 30, "length": "1 mm"}, {"width": "30 cm", "length": 1.0}):
+        with refused("width, length: found .* and .*, allowed: both with units or both plain"):
+            loads.leak_rate(1e-3, 1e5, **extents)
     with pytest.raises(SceneError, match="axis"):
         loads.leak_rate(1e-3, 1e5, axis="z")
