@@ -104,6 +104,7 @@ def solve(
         Effective modulus, such as "50 GPa"; or E1=, nu1= (E2=, nu2=).
     physical_sizes : (L_x, L_y), default (1, 1)
         Sizes of an array: plain, in the unit of the heights, or with a unit; then heights are in m.
+        Needed if the modulus has a unit.
     accuracy : float, default 1e-3
         Relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
     hardness : number or text

@@ -304,6 +304,18 @@ class ArrayScene(Scene):
             raise ValueError(HEIGHTS_IN_MEMORY)
         return self
 
+    @model_validator(mode="after")
+    def _sized(self) -> Self:
+        """Raise ValueError for a modulus with a unit beside heights whose sizes are not given."""
+        if self.pressure_unit and "physical_sizes" not in self.surface.model_fields_set:
+            name = "E_star" if self.material.E1 is None else "E1"
+            modulus = format_quantity(getattr(self.material, name))
+            raise ValueError(
+                f"surface.physical_sizes: not given, hence 1 beside material.{name} = {modulus!r},"
+                " allowed: sizes of the array, plain in the unit of its heights or with units"
+            )
+        return self
+
 
 def parse_toml(text: str, origin: str) -> dict[str, Any]:
     """Return the tables of a TOML text; errors begin with `origin` and name the line."""

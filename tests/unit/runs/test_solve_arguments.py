@@ -58,6 +58,8 @@ name = "gfm" | solver.name: found 'gfm', nearest: "gfmd", allowed: auto
 hardness = 0.1 | load.pressure: found a pressure of 0.1, allowed: below material.hardness, 0.1
 hardness = "6 GPa" | load.pressure: found 0.1, material.E_star: not given, hence 1 beside material.hardness = '6 GPa', allowed
 fields = ["plastic"] | output.fields: found "plastic", allowed with material.hardness
+pressure = "1 MPa" ; E_star = "2 GPa" | surface.physical_sizes: not given, hence 1 beside material.E_star = '2 GPa', allowed
+pressure = "1 MPa" ; E1 = "2 GPa" ; nu1 = 0.3 | surface.physical_sizes: not given, hence 1 beside material.E1 = '2 GPa', allowed
 thickness = 1 ; nu = 0.3 ; nu1 = 0.4 | found nu and nu1
 boundary = ["free", "periodic"] ; accuracy = 1e-7 | solver.accuracy: found 1e-07, allowed with a free boundary: above
 boundary = "free" ; distributions = ["gap_spectrum"] | 'gap_spectrum', which needs periodic boundaries, allowed: gap, patches, patches_8, pressure
@@ -85,6 +87,7 @@ ACCEPTED = [
     {"E_star": None},
     {"pressure": np.float32(0.1)},
     {"physical_sizes": np.array([1, 2])},
+    {"physical_sizes": (1.0, 1.0), "pressure": "1 MPa", "E_star": "10 MPa"},
     {"physical_sizes": [np.int64(1), 2.0]},
     {"accuracy": None, "residual": 1e-6},
     {"residual": None},
