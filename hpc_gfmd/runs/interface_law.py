@@ -107,8 +107,8 @@ def interface_law(
     high = _positive_pressure(stop, "stop")
     if not low < high or isinstance(low, Quantity) != isinstance(high, Quantity):
         raise SceneError(
-            f"start, stop: found {start} and {stop}, allowed: start below stop, both with units or"
-            " both plain"
+            f"start, stop: found {start} and {stop}, allowed: the first below the second, both with"
+            " units or both plain"
         )
     if not 1e-4 <= finite_number(error) <= 0.5:
         raise SceneError(f"error: found {error!r}, allowed: a number from 1e-4 to 0.5")
