@@ -42,11 +42,13 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Convert a result to the file of another program and print its name; returns 0."""
     from ..contact import all_numbers
-    from ..output.export import export
+    from ..output.export import SUFFIXES, export
     from ..output.read import read_result
 
     result = read_result(args.file).only(args.step, args.fields)
     path = Path(args.output or Path(args.file).with_suffix(f".{args.to}"))
+    if path.suffix.lower().removeprefix(".") in SUFFIXES - {args.to}:
+        raise SceneError(f"-o: found {path} with --to {args.to}, allowed: a .{args.to} file")
     if path.is_file() and not args.force:
         raise SceneError(f"-o: found {path}, which exists, allowed: another path, or --force")
     export(result, args.to, path, all_numbers())

@@ -86,6 +86,7 @@ INSTEAD = {  # of formats that have no writer here
     "x3p": "SurfaceTopography.Topography(solution.gap, solution.sizes, unit='m').to_x3p('gap.x3p')"
     " writes it",
 }
+SUFFIXES = {*FORMATS, *INSTEAD, "h5", "hdf5", "nc"}  # of files in known formats
 
 
 def common_fields(result: Result) -> list[str]:

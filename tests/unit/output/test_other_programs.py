@@ -173,6 +173,15 @@ def test_the_table_that_a_result_was_made_of_is_not_replaced(path, cli):
     assert mine.read_text() != "q,C"
 
 
+def test_suffixes_of_other_formats_are_refused(path, tmp_path, cli):
+    for options in ("gwy -o z.csv", "csv -o z.gwy", "csv -o z.GWY", "csv -o z.h5", "gwy -o z.nc"):
+        to = options[:3]
+        message = cli.refused(f"export out.h5 --to {options} --force")
+        assert f"with --to {to}, allowed: a .{to} file" in message
+    assert os.listdir(tmp_path) == ["out.h5"]
+    assert cli.prints("export out.h5 --to csv -o z.txt") == "z.txt\n"
+
+
 def test_refused_exports_write_nothing(path, tmp_path, cli):
     for options in ("csv -o out.h5", "csv -o missing/a.csv", "pdf"):
         cli.refused(f"export out.h5 --to {options}")
