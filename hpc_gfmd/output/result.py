@@ -131,3 +131,12 @@ class Result:
 def group_of(index: int) -> str:
     """Return the name of the group of a load step in a file, from the number of the load."""
     return f"steps/{index:04d}"
+
+
+def missing_fields(result: Result, names: Sequence[str]) -> SceneError:
+    """Return the error that a result has none of these fields."""
+    where = f"in {result.path}" if result.path else "kept"
+    quoted = ", ".join(f'"{name}"' for name in names)
+    return SceneError(
+        f"{', '.join(names)}: not {where}, allowed: fields = [{quoted}, ...] where it is solved"
+    )

@@ -95,9 +95,8 @@ def scene_of_keywords(arguments: dict[str, Any], surface: PreparedSurface | None
     if settings:
         key = next(iter(settings))
         raise SceneError(
-            f"{key}: found {settings[key]} beside a surface that knows its"
-            f" {'sizes' if key == 'physical_sizes' else key}, allowed: read_surface,"
-            f" prepare_surface or make_surface(..., {key}=...)"
+            f"{key}: found {settings[key]} beside a surface that is complete, allowed:"
+            f" read_surface, prepare_surface or make_surface(..., {key}=...)"
         )
     if surface.table is not None:
         if arguments.get("low_memory"):

@@ -69,8 +69,8 @@ def solve_many(
     Raises
     ------
     SceneError
-        For an invalid number of processes, and for threads, comm or two kinds of load among the
-        arguments.
+        For a single surface, an invalid number of processes, and for threads, comm or two kinds of
+        load among the arguments.
 
     Warns
     -----
@@ -82,6 +82,11 @@ def solve_many(
     >>> walls = (hpc_gfmd.make_surface("self-affine", seed=seed, **rough) for seed in range(200))
     >>> areas = [solutions.a_r for solutions in hpc_gfmd.solve_many(walls, p_star=[0.01, 0.1])]
     """
+    is_map = getattr(surfaces, "ndim", None) == 2
+    if is_map or isinstance(surfaces, str) or not isinstance(surfaces, Iterable):
+        raise SceneError(
+            f"surfaces: found one {type(surfaces).__name__}, allowed: several, as a list"
+        )
     count = len(cores()) if processes == "auto" else processes
     if not isinstance(count, int | np.integer) or count < 1:
         raise SceneError(

@@ -8,10 +8,9 @@ from ..bodies import body_of
 from ..certificate.certificate import Certificate
 from ..contact.contact import Contact
 from ..laws import attraction_of
-from ..output.result import Result
+from ..output.result import Result, missing_fields
 from ..parallel.comm import SerialComm
 from ..surface import Surface, grid_of
-from ..util.errors import SceneError
 
 ROUNDING = 1e-6  # relative, of stored pressures
 
@@ -74,10 +73,7 @@ def _stored_fields(result: Result) -> dict[str, np.ndarray]:
     stored = result.fields[0]
     missing = [name for name in ("pressure", "gap") if name not in stored]
     if missing:
-        raise SceneError(
-            f"{result.path}: has no {' and no '.join(missing)}, allowed: a result with fields ="
-            ' ["pressure", "gap"]'
-        )
+        raise missing_fields(result, missing)
     return {name: stored[name].read() for name in ("pressure", "gap", "heights") if name in stored}
 
 

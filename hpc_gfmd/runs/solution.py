@@ -17,7 +17,7 @@ from ..contact import (
 from ..contact.response import DUALITY
 from ..output.fields import FIELDS
 from ..output.numbers import unit_of
-from ..output.result import Result
+from ..output.result import Result, missing_fields
 from ..output.summary import converged, summary
 from ..parallel.comm import Comm
 from ..scene.explain import require_known
@@ -229,10 +229,7 @@ class Solution(Solved):
             require_periodic([name], self.result.scene.surface.free, "distribution")
             contact = self._whole_contact
             if name.startswith("heights") and contact.surface.h is None:
-                raise SceneError(
-                    f"{name}: {self.result.path} has no heights, allowed: a result with fields ="
-                    ' ["heights", ...]'
-                )
+                raise missing_fields(self.result, ["heights"])
             arrays = all_distributions()[name](contact) or {}
             self._step.update({f"{name}_{part}": array.tolist() for part, array in arrays.items()})
         return self._stored_distribution(name) or None
@@ -286,10 +283,7 @@ class Solution(Solved):
             elif name == "displacement" and {"gap", "heights"} <= set(stored):
                 self._arrays[name] = self.gap + self.heights
             else:
-                where = f"in {self.result.path}" if self.result.path else "kept"
-                raise SceneError(
-                    f'{name}: not {where}, allowed: fields = ["{name}", ...] where it is solved'
-                )
+                raise missing_fields(self.result, [name])
         return self._arrays[name]
 
     @cached_property

@@ -84,8 +84,13 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     Raises
     ------
     SceneError
-        As `read_surface`.
+        As `read_surface`, and for a PreparedSurface.
     """
+    if isinstance(heights, PreparedSurface):
+        raise SceneError(
+            "heights: found a PreparedSurface, allowed: an array or a Topography; more keys belong"
+            " into the call that made the surface"
+        )
     return _prepared(*_in_memory(heights, keys))
 
 

@@ -280,7 +280,9 @@ def _range_of(z: np.ndarray, grid: Grid, with_sums: bool) -> tuple[float, float,
 
     def of_piece(i0: int, i1: int) -> tuple[float, float, float, bytes]:
         rows = z[i0:i1]
-        return rows.min(), rows.max(), rows.sum(), sums_of_rows(rows) if with_sums else b""
+        with np.errstate(invalid="ignore"):  # infinite heights are refused below
+            total = rows.sum()
+        return rows.min(), rows.max(), total, sums_of_rows(rows) if with_sums else b""
 
     pieces = grid.by_rows(of_piece)
     lowest = np.min([low for low, _, _, _ in pieces], initial=np.inf)

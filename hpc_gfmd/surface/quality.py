@@ -110,6 +110,7 @@ def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarni
     return notes
 
 
+@np.errstate(invalid="ignore")  # infinite heights are refused where all are read
 def edges_of(topography: Topography) -> Edges:
     """Return how the edges of a map without holes meet, by at most 3 GROUPS rows."""
     n = topography.n

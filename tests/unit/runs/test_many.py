@@ -63,6 +63,13 @@ def test_dying_and_unconverged_surfaces(monkeypatch):
     assert "3" in str(results[1])  # exit code of the process
 
 
+def test_a_single_surface_is_refused():
+    wall = rough_wall((1, 8, 2))
+    for surface in (wall, wall.heights, "scene.toml", Path("scene.toml")):
+        with refused("surfaces: found one .*, allowed: several"):
+            hpc_gfmd.solve_many(surface, 0.1)
+
+
 def test_bad_arguments_are_refused():
     for options in ({"processes": 0}, {"processes": "all"}, {"threads": 2}, {"pressure": 0.2}):
         name = next(iter(options))

@@ -236,7 +236,8 @@ def test_missing_fields_and_observables_are_refused(saved):
     saved[0].observable("spanning")  # follows from the stored fields
     for call, words in [
         (lambda: loaded.gap, r"^gap: not in .*bare.h5, allowed"),
-        (lambda: loaded.observable("patches"), "has no pressure and no gap"),
+        (lambda: loaded.observable("patches"), r"^pressure, gap: not in .*bare.h5, allowed"),
+        (lambda: bare[0].distribution("pressure"), "^pressure, gap: not kept, allowed: fields = "),
         (lambda: loaded.observable("duality_gap"), "^duality_gap: not in"),
         (lambda: saved[0].observable("duality_gap"), "^duality_gap: not in"),
         (lambda: saved[0].plastic, "^plastic: not in"),

@@ -10,6 +10,7 @@ import pytest
 from contacts import random_heights
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refusal import refused
 from scene_tables import rows
 
 import hpc_gfmd
@@ -78,6 +79,22 @@ def test_bad_arguments_are_refused_in_one_line():
         assert words in message
         assert "allowed" in message
         assert message.isprintable()
+
+
+@pytest.mark.parametrize("places", [np.s_[0, 0], np.s_[0], np.s_[:2, 1], np.s_[:, -1], np.s_[:]])
+def test_infinite_heights_are_refused_without_warnings(places):
+    for number in (np.inf, -np.inf):
+        heights = Z.copy()
+        heights[places] = number
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with refused("surface: found -?inf at"):
+                hpc_gfmd.solve(heights, 0.1)
+            with refused("surface.path: found -?inf at"):
+                hpc_gfmd.prepare_surface(heights, detrend="tilt", boundary="mirror")
+            heights[-1, -1] = -number
+            with refused("surface: found -?inf at"):
+                hpc_gfmd.solve(heights, 0.1, boundary="periodic")
 
 
 ACCEPTED = [

@@ -356,8 +356,11 @@ def test_keys_of_prepared_surfaces(tmp_path):
     assert np.allclose(surface.heights, Z - Z.mean())
     assert surface.sizes == pytest.approx(SIZES)
     assert surface.prepared == ("mean removed",)
-    with refused(r"physical_sizes: found .* beside .* knows its sizes, allowed: read_surface"):
-        hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
+    for key, value in [("physical_sizes", (1, 2)), ("radius", 1.0)]:
+        with refused(f"^{key}: found .* beside a surface that is complete, allowed: read_surface"):
+            hpc_gfmd.solve(surface, 1.0, **{key: value})
+    with refused("^heights: found a PreparedSurface, allowed: an array or a Topography"):
+        hpc_gfmd.prepare_surface(surface, refine=2)
     lengths = r"allowed: .* x0 < x1 <= 1200 nm and .* y1 <= 400 nm, plain in this unit"
     nm_map = topography("nm")
     assert hpc_gfmd.prepare_surface(nm_map, crop=(0, 0, 600, 100)).heights.shape == (6, 2)
