@@ -54,7 +54,7 @@ class Preparation:
     """Prepares the loads of a sweep, each with what those before have told. Collective."""
 
     def __init__(self) -> None:
-        self._solved: dict[str, float] | None = None  # of the last load, see `remember`
+        self._solved: list[dict[str, float]] = []  # of the last two loads, see `remember`
         self._punch: np.ndarray | None = None  # see `_closing`
 
     def of(self, load: Load, sweep: Solves, unfinished: Unfinished | None = None) -> Beginning:
@@ -67,14 +67,15 @@ class Preparation:
         return beginning
 
     def remember(self, contact: Contact) -> None:
-        """Store load, area, gap and approach of a solution, from which the next target begins."""
+        """Store load, area, gap and approach of a solution, from which later targets begin."""
         a = contact.grid.a
-        self._solved = {
+        solved = {
             "p0": contact.p_mean / contact.pressure_unit,
             "a_r": contact.contact_points / contact.N,
             "gap_mean": contact.certificate.gap_mean * a,
             "approach": contact.certificate.approach * a,
         }
+        self._solved = [*self._solved[-1:], solved]
 
     def _new(self, load: Load, sweep: Solves, unfinished: Unfinished | None) -> Beginning:
         """Return what a load begins with, its pressure as far as other loads tell it."""

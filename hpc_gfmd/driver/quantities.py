@@ -8,6 +8,7 @@ approaches" in docs/method.md.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil, erf, floor, hypot, inf, log, prod, sqrt
 from statistics import NormalDist
 from typing import TYPE_CHECKING
@@ -139,12 +140,12 @@ class Area(Root):
     in_steps = True
 
     def __init__(
-        self, value: float, working: WorkingSurface, before: dict[str, float] | None = None
+        self, value: float, working: WorkingSurface, earlier: Sequence[dict[str, float]] = ()
     ):
         surface = working.surface
         # of the map, for one point of the grid: more than 1 if heights vary along one axis only
         self.map_points = prod(surface.n) // prod(surface.grid.nominal)
-        super().__init__(value, working, before)
+        super().__init__(value, working, earlier)
 
     def _clear(self) -> None:
         super()._clear()

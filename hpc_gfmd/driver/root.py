@@ -12,6 +12,7 @@ linear in x (`straight`); quantities.py has them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import exp, inf, isfinite, log, sqrt
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
@@ -79,7 +80,7 @@ class Root(Target):
     in_steps: ClassVar[bool] = False  # whether y goes in steps: a closed bracket is never left
 
     def __init__(
-        self, value: float, working: WorkingSurface, before: dict[str, float] | None = None
+        self, value: float, working: WorkingSurface, earlier: Sequence[dict[str, float]] = ()
     ):
         self.value = value
         self.tolerance = working.settings.tolerance
@@ -89,7 +90,7 @@ class Root(Target):
         self.slope = self.usual
         self.corrections = 0
         self._clear()
-        self._go(self._first(working.surface, before))
+        self._go(self._first(working.surface, earlier))
 
     def _clear(self) -> None:
         """Forget what was found at other loads on this grid."""
@@ -102,18 +103,23 @@ class Root(Target):
         self.extrapolated = False  # whether x is the end of a plateau between the bounds
         self.before: tuple[float, float] | None = None  # x and f of the last certificate
 
-    def _first(self, surface: Surface, before: dict[str, float] | None) -> float:
-        """Return x to begin with: from the load that was solved before, or a guess."""
-        if before is not None:
-            x = self.x_of(before["p0"])
-            f = self.straight(before[self.quantity])
-            if isfinite(x) and isfinite(f):
-                return x + (self.straight(self.aim) - f) / self.slope
-        return self.guess(surface)
+    def _first(self, surface: Surface, earlier: Sequence[dict[str, float]]) -> float:
+        """Return x to begin with: extrapolated from loads that were solved before, or a guess."""
+        for solved in earlier:
+            self.x = self.x_of(solved["p0"])
+            if isfinite(self.x):
+                self._learn_slope(self.straight(solved[self.quantity]), 0.0)
+        if self.before is None:
+            return self.guess(surface)
+        x, f = self.before
+        way = self.straight(self.aim) - f
+        if abs(way) > 4 * STEP * self.slope:  # what is near tells nothing of it
+            self.slope = self.usual
+        return x + way / self.slope
 
     # -- the quantity
 
-    quantity: ClassVar[str]  # its name in the numbers of the load before
+    quantity: ClassVar[str]  # its name in the numbers of earlier loads
 
     def guess(self, surface: Surface) -> float:
         """Return the x to begin with if no load has been solved before."""

@@ -20,14 +20,14 @@ class Curve(Root):
 
     quantity = "y"
 
-    def __init__(self, curve, value, start=1.0, hardness=inf, before=None):
+    def __init__(self, curve, value, start=1.0, hardness=inf, earlier=()):
         self.curve = curve
         self.start = start
         settings = SolverTable(accuracy=TOLERANCE)
         working = SimpleNamespace(
             heights=HEIGHTS, hardness=hardness, surface=None, settings=settings
         )
-        super().__init__(value, working, before)
+        super().__init__(value, working, earlier)
 
     def guess(self, surface):
         return self.x_of(self.start)
