@@ -23,7 +23,9 @@ import numpy as np
 from scipy import fft, optimize, special
 
 SIGN = 1e-13  # relative violation of a sign that counts as rounding error
-TIE = 1e-9  # relative pressure or gap below which a point could also be on the other side
+# Relative pressure or gap below which a point could also be on the other side: half of what a truth
+# may violate its own conditions by (DOUBTFUL).
+TIE = 1e-8
 ROUGH = 1e-4  # relative residual of the first linear problems
 INNER = 1e-13  # and of the last ones
 BOUND = 1e-12  # relative distance to the hardness at which a point yields
