@@ -112,5 +112,12 @@ def scene_of_keywords(arguments: dict[str, Any], surface: PreparedSurface | None
 def several_loads(arguments: dict[str, Any]) -> bool | None:
     """Whether the loads (or times) among the arguments of `solve` are a list; None without any."""
     values = [arguments.get(key) for key in (*LOADS, "time")]
-    dimensions = [np.ndim(value) for value in values if value is not None]
-    return any(dimensions) if dimensions else None
+    are_lists = [_is_list(value) for value in values if value is not None]
+    return any(are_lists) if are_lists else None
+
+
+def _is_list(value: Any) -> bool:
+    try:
+        return np.ndim(value) > 0
+    except ValueError:  # a list of unequal lists, which the scene refuses
+        return True

@@ -66,6 +66,7 @@ boundary = ["free", "periodic"] ; accuracy = 1e-7 | solver.accuracy: found 1e-07
 boundary = "free" ; distributions = ["gap_spectrum"] | 'gap_spectrum', which needs periodic boundaries, allowed: gap, patches, patches_8, pressure
 observables = ["wear"] | found 'wear', not modelled
 p_star = 0.1 | load: found p_star and pressure
+pressure = [[0.1, 0.2], [0.3]] | load.pressure[0]: found [0.1, 0.2], allowed: a number
 """)  # noqa: E501
     ],
 ]
