@@ -27,7 +27,7 @@ from .precision import DOUBLE, first_precision, needs_double
 from .preparation import Preparation
 from .scene_loads import loads_of
 from .starter import Starter
-from .without_iterations import flat_contact, separated_contact
+from .without_iterations import separated_contact
 from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
@@ -126,8 +126,6 @@ class Sweep:
         SceneError
             If the heights of the surface's file have changed since.
         """
-        if self.working.is_flat:
-            return flat_contact(self.working, load.value)
         if self._failed and not self.model.always_continues:
             self.starter.forget()
         if self._stays_separated(load):

@@ -1,10 +1,7 @@
-"""The contacts that need no iterations: flat surfaces, bodies that are not loaded or have come
-apart.
-"""
+"""The contacts that need no iterations: bodies that are not loaded or have come apart."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,19 +15,6 @@ if TYPE_CHECKING:
     from .working_surface import WorkingSurface
 
 EXACT = (0.0, 0.0, 0.0)  # errors of area, mean gap and pressure
-
-
-def flat_contact(working: WorkingSurface, p_mean: float) -> Contact:
-    """Return the contact of a flat periodic surface: closed at any pressure, without errors."""
-    grid = working.surface.grid
-    g = np.zeros_like(working.surface.gap)
-    p0 = p_mean / working.model.E_star
-    state = State(grid, g, np.full_like(g, p0), p0)
-    certificate = Certificate(contact=grid.N, errors=EXACT, duality_gap=0.0)
-    uniform = float(working.model.body.stiffness(np.zeros(1), grid.a)[0])
-    if uniform > 0:  # a layer is compressed as a whole
-        certificate = replace(certificate, energy=0.5 * p0**2 / uniform, approach=p0 / uniform)
-    return working.contact(p_mean, state, "converged", certificate)
 
 
 def unloaded_contact(working: WorkingSurface, apart: float) -> Contact:

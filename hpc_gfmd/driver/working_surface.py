@@ -56,8 +56,7 @@ class WorkingSurface:
 
     def _plan(self) -> None:
         """Plan the transforms of the solver, not those of certificates in double. Collective."""
-        if not self.is_flat:
-            self.surface.grid.fft(self.dtype)
+        self.surface.grid.fft(self.dtype)
 
     def release(self) -> None:
         """Free the transforms of the surface's grid in this precision."""

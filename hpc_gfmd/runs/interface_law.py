@@ -31,8 +31,8 @@ UNEVEN = (
 # of 120 walls with 20 to 5,000 points in contact 0.2 % have an area or stiffness beyond them, 14 to
 # 25 % without; with 2 it would be 0.5 %.
 BY_CHANCE = 3.0
-# Relative error of a stiffness over that of a_r times (1 - a_r)^-3/2. Measured on 398 walls: 3
-# errors were larger, by a fifth at most; half of them are below 0.02.
+# Relative error of a stiffness over that of a_r divided by 1 - a_r. Measured on 398 walls: 4 errors
+# were larger, by half at most; half of them are below 0.04.
 OF_STIFFNESS = 0.5
 OF_GRID = ("a_r_discretisation", "gap_discretisation", "a_r_corrected")  # tell errors by the grid
 Sample = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
@@ -298,8 +298,8 @@ def _relative_error(name: str, step: Mapping[str, Any], surface: Mapping[str, An
     of_solver = float(max(step["gap_error"], step["pressure_error"]))
     if name in ("stiffness", "conductance"):
         of_area = float(step.get("a_r_discretisation") or 0.0)
-        is_open = max(1 - float(step["a_r"]), 1e-300)
-        return of_solver + OF_STIFFNESS * of_area / is_open**1.5
+        is_open = 1 - float(step["a_r"])
+        return of_solver + (OF_STIFFNESS * of_area / is_open if is_open > 0 else 0.0)
     if name.startswith("critical_gap"):
         value = step.get(name)
         of_the_gap = float(step["gap_error"]) + float(step.get("gap_discretisation") or 0.0)

@@ -54,7 +54,7 @@ def test_flat(n):
         1.0,
         0.0,
     )
-    assert solution.errors == (0.0, 0.0, 0.0)
+    assert solution.errors == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
     assert solution.pressure == pytest.approx(np.full(n, 0.7))
     assert solution.pressure.shape == n
 
