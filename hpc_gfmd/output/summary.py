@@ -49,12 +49,18 @@ def summary(step: dict, surface: dict) -> str:
     for name, key, unit in (("p", "p", "pressure_unit"), ("mean gap", "gap_mean", "unit")):
         if step.get(key) is not None:
             scale, unit = prefixed([step[key]], surface.get(unit, ""))
-            value = estimate(step[key] / scale, key, step)
+            value = estimate(step[key] / scale, key, step if _tells_error(key, step) else {})
             parts.append(f"{name} = {value} {unit}".strip())
     if isfinite(step.get("p_star", nan)):
         parts.append(f"p* = {step['p_star']:.{DIGITS}g}")
     parts.append(step["status"] if converged(step) else f"NOT CONVERGED ({step['status']})")
     return ", ".join(parts) + (f"; note: {step['note']}" if step.get("note") else "")
+
+
+def _tells_error(name: str, step: dict) -> bool:
+    """Whether a line without a legend may show an error: not that of a gap by the solver alone."""
+    is_held = any(target in step for target in HELD_GAPS)
+    return name != "gap_mean" or is_held or is_number(step.get("gap_discretisation"))
 
 
 def surface_line(surface: dict) -> str:
@@ -181,7 +187,7 @@ def error_bars(name: str, step: dict) -> tuple[float, float] | None:
     """
     if name == "p" and HELD_AREA in step:
         of_area = error_bars("a_r", step)
-        steepness = _steepness(step["a_r"])
+        steepness = _steepness(step.get("a_r") or 0.0)
         return None if of_area is None else (of_area[1] * steepness, of_area[0] * steepness)
     error = combined_error(name, step)
     if error is None:
@@ -223,7 +229,7 @@ def combined_error(name: str, step: dict) -> float | None:
         edge, *random_and_solver = area_errors
         relative_to_a_r = CORRECTION_ERROR * edge + sum(random_and_solver)
         return relative_to_a_r * step["a_r"] / step["a_r_corrected"]
-    if name in GAPS and step["gap_mean"] == 0 and step.get("a_r_discretisation"):
+    if name in GAPS and step.get("gap_mean") == 0 and step.get("a_r_discretisation"):
         return inf  # of points that touch, and may open between them
     of_solver, of_grid = ERRORS.get(name, ("", ""))
     if any(target in step for target in HELD_GAPS):
