@@ -55,16 +55,18 @@ def coarser_contacts(
     return [contact._replace(gap_mean=contact.gap_mean * scale) for contact in (present, *coarser)]
 
 
-def gap_discretisation(contact: Contact, coarser: Sequence[CoarseContact]) -> float | None:
-    """Return the relative error of the mean gap by the grid, None where nothing touches; a
-    prescribed area or gap adds the change of the mean pressure.
+def gap_discretisation(
+    contact: Contact, coarser: Sequence[CoarseContact], holds_gap: bool = False
+) -> float | None:
+    """Return the relative error of the mean gap by the grid, None where nothing touches; holds_gap:
+    that of the pressure at a prescribed gap, which coarser grids may have missed, too.
     """
     p0 = contact.p_mean / contact.pressure_unit
     gap = contact.certificate.gap_mean
     if not (coarser and contact.contact_points > 0 and p0 > 0 and gap > 0):
         return None
     changes = [
-        (abs(coarse.gap_mean / gap - 1) + abs(coarse.p0 / p0 - 1)) / 2**k
+        (abs(coarse.gap_mean / gap - 1) + holds_gap * abs(coarse.p0 / p0 - 1)) / 2**k
         for k, coarse in enumerate(coarser[:2])
     ]
     floor = OF_PROFILES if 1 in contact.grid.nominal else 0.0

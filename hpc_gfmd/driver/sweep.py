@@ -215,12 +215,12 @@ class Sweep:
         if unfinished is not None:
             self.coarser = unfinished.coarser
             self._gap_discretisation = unfinished.gap_discretisation
-        return self._with_grid_error(contact)
+        return self._with_grid_error(contact, load.quantity == "gap_mean")
 
-    def _with_grid_error(self, contact: Contact) -> Contact:
+    def _with_grid_error(self, contact: Contact, holds_gap: bool) -> Contact:
         """Return a contact with the error of its gap by the grid, or that of the load before."""
         if self.coarser:
-            self._gap_discretisation = gap_discretisation(contact, self.coarser)
+            self._gap_discretisation = gap_discretisation(contact, self.coarser, holds_gap)
         return replace(contact, gap_discretisation=self._gap_discretisation)
 
     def _stays_separated(self, load: Load) -> bool:
