@@ -10,12 +10,14 @@ and on profiles, so that these have a least error, too. docs/accuracy.md has the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import exp, log, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..contact.edges import reaches_free_edges
 from ..parallel.threads import added
+from ..theory.steepness import gap_by_pressure
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
@@ -65,11 +67,25 @@ def gap_discretisation(
     gap = contact.certificate.gap_mean
     if not (coarser and contact.contact_points > 0 and p0 > 0 and gap > 0):
         return None
-    changes = [
-        (abs(coarse.gap_mean / gap - 1) + holds_gap * abs(coarse.p0 / p0 - 1)) / 2**k
-        for k, coarse in enumerate(coarser[:2])
-    ]
-    floor = OF_PROFILES if 1 in contact.grid.nominal else 0.0
+    least = OF_PROFILES if 1 in contact.grid.nominal else 0.0
     if reaches_free_edges(contact):
-        floor = AT_FREE_EDGES
-    return max(floor / gap, *changes)
+        least = AT_FREE_EDGES
+    least /= gap
+    ratios = [(coarse.p0 / p0, coarse.gap_mean / gap) for coarse in coarser[:2]]
+    if holds_gap:
+        gap_over_h_rms = contact.gap_mean / contact.h_rms
+        least /= gap_by_pressure(gap_over_h_rms)
+        changes = [_change_of_pressure(*of_both, gap_over_h_rms) for of_both in ratios]
+    else:
+        changes = [abs(of_gap - 1) for _, of_gap in ratios]
+    return max(least, *(change / 2**k for k, change in enumerate(changes)))
+
+
+def _change_of_pressure(of_pressure: float, of_gap: float, gap_over_h_rms: float) -> float:
+    """Return the relative change of the pressure at a gap, from that at another one: by the way
+    between both, of which half may be wrong. of_gap: 0 where the other grid is closed.
+    """
+    if of_gap <= 0:
+        return abs(of_pressure - 1)
+    way = log(of_gap) / gap_by_pressure(gap_over_h_rms * sqrt(of_gap))
+    return abs(of_pressure * exp(way) - 1) + 0.5 * abs(way)

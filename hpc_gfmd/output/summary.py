@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import exp, floor, inf, isfinite, isnan, log10, nan, pi, prod, sqrt
-from statistics import NormalDist
+from math import floor, inf, isfinite, isnan, log10, nan, prod, sqrt
 from typing import Any, TypeGuard
 
 import numpy as np
 
 from ..scene import each
+from ..theory.steepness import gap_by_pressure, pressure_by_area
 from ..util.quantities import prefixed
 
 DIGITS = 4  # of a number without an error estimate
@@ -183,13 +183,12 @@ def estimate(value: float, name: str, step: dict) -> str:
 def error_bars(name: str, step: dict) -> tuple[float, float] | None:
     """Return relative errors, too large by and too small by, of a number, or None; p/a_r may be too
     small by more than a_r is too large. At a prescribed area the pressure has its errors, the other
-    way round, and the gap those of the pressure: p falls like exp(-2 gap/h_rms), and next to full
-    contact of a wave by the root of the gap.
+    way round, and the gap those of the pressure.
     """
     if name == "p" and HELD_AREA in step:
         of_area = error_bars("a_r", step)
-        steepness = _steepness(step.get("a_r") or 0.0)
-        return None if of_area is None else (of_area[1] * steepness, of_area[0] * steepness)
+        per_area = pressure_by_area(step.get("a_r") or 0.0)
+        return None if of_area is None else (of_area[1] * per_area, of_area[0] * per_area)
     error = combined_error(name, step)
     if error is None:
         return None
@@ -198,24 +197,13 @@ def error_bars(name: str, step: dict) -> tuple[float, float] | None:
         of_heights = step.get("gap_over_h_rms")
         if of_pressure is None or not is_positive(of_heights):
             return error, error
-        falls_by = min(0.5 / of_heights, of_heights**-0.5)
-        below, above = (error + falls_by * bar for bar in reversed(of_pressure))
+        below, above = (error + gap_by_pressure(of_heights) * bar for bar in reversed(of_pressure))
         return below, above
     area_errors = _area_errors(step) if name in TOO_LARGE + TOO_SMALL else None
     area_above = error if area_errors is None else sum(area_errors[1:])
     if name in TOO_SMALL:
         return area_above / (1 + area_above), error / (1 - error) if error < 1 else inf
     return error, area_above
-
-
-def _steepness(a_r: float) -> float:
-    """Return d log p/d log a_r, at most: 3/2, as in Hertz' contact, times that of Persson's theory,
-    a_r = erf(c p); inf at full contact.
-    """
-    if not 0 < a_r < 1:
-        return inf
-    x = NormalDist().inv_cdf((1 + a_r) / 2) / sqrt(2)
-    return 1.5 * sqrt(pi) * a_r * exp(x * x) / (2 * x)
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:
