@@ -89,22 +89,22 @@ def may_open(contact: Any) -> int:
         return 0
     grid = contact.grid
     rows = grid.inside[0]
-    starts = np.minimum(grid.starts, grid.nominal[0])
-    pressure = contact.pressure_rows(0, rows)
-    before, after = neighbours(grid.comm, pressure, starts, 1)
     around_x, around_y = contact.periodic
-    begin, end = grid.nominal_rows
-    if rows and not around_x:  # beyond an end there is nothing to see
-        before = pressure[:1] if begin == 0 else before
-        after = pressure[-1:] if end == grid.nominal[0] else after
-    along_x = np.concatenate([before, pressure, after])
+    starts = np.minimum(grid.starts, grid.nominal[0])
+    g, p = (neighbours(grid.comm, field[:rows], starts, 1) for field in (contact.g, contact.p))
+    before, after = (contact.pressure_of(*fields) for fields in zip(g, p))
+    begin, _ = grid.nominal_rows
 
     def count(i0: int, i1: int) -> int:
-        p = pressure[i0:i1]
-        along_y = np.pad(p, ((0, 0), (1, 1)), "wrap" if around_y else "edge")
-        drop = _drop(along_x[i0:i1], p, along_x[i0 + 2 : i1 + 2])
-        drop += _drop(along_y[:, :-2], p, along_y[:, 2:])
-        return int(np.count_nonzero(contact.touching(i0, i1) & (p < CAUTION * drop)))
+        p = contact.pressure_rows(max(i0 - 1, 0), min(i1 + 1, rows))
+        # beyond an end there is nothing to see
+        first = p[:1] if begin + i0 == 0 and not around_x else before
+        last = p[-1:] if begin + i1 == grid.nominal[0] and not around_x else after
+        p = np.concatenate([*([first] if i0 == 0 else []), p, *([last] if i1 == rows else [])])
+        middle = p[1:-1]
+        along_y = np.pad(middle, ((0, 0), (1, 1)), "wrap" if around_y else "edge")
+        drop = _drop(p[:-2], middle, p[2:]) + _drop(along_y[:, :-2], middle, along_y[:, 2:])
+        return int(np.count_nonzero(contact.touching(i0, i1) & (middle < CAUTION * drop)))
 
     return int(grid.comm.sum([sum(grid.by_rows(count, rows))])[0])
 

@@ -61,7 +61,7 @@ def gap_discretisation(
     contact: Contact, coarser: Sequence[CoarseContact], holds_gap: bool = False
 ) -> float | None:
     """Return the relative error of the mean gap by the grid, None where nothing touches; holds_gap:
-    that of the pressure at a prescribed gap, which coarser grids may have missed, too.
+    that of the pressure at a prescribed gap. Coarser grids may have missed what is prescribed.
     """
     p0 = contact.p_mean / contact.pressure_unit
     gap = contact.certificate.gap_mean
@@ -72,20 +72,23 @@ def gap_discretisation(
         least = AT_FREE_EDGES
     least /= gap
     ratios = [(coarse.p0 / p0, coarse.gap_mean / gap) for coarse in coarser[:2]]
+    gap_over_h_rms = contact.gap_mean / contact.h_rms
     if holds_gap:
-        gap_over_h_rms = contact.gap_mean / contact.h_rms
         least /= gap_by_pressure(gap_over_h_rms)
-        changes = [_change_of_pressure(*of_both, gap_over_h_rms) for of_both in ratios]
-    else:
-        changes = [abs(of_gap - 1) for _, of_gap in ratios]
+    changes = [_change(*of_both, gap_over_h_rms, holds_gap) for of_both in ratios]
     return max(least, *(change / 2**k for k, change in enumerate(changes)))
 
 
-def _change_of_pressure(of_pressure: float, of_gap: float, gap_over_h_rms: float) -> float:
-    """Return the relative change of the pressure at a gap, from that at another one: by the way
-    between both, of which half may be wrong. of_gap: 0 where the other grid is closed.
+def _change(of_pressure: float, of_gap: float, gap_over_h_rms: float, holds_gap: bool) -> float:
+    """Return the relative change of the gap at the same pressure, or (holds_gap) of the pressure at
+    the same gap, from another grid's ratios of both: along the curve between both points, of whose
+    way half may be wrong. of_gap: 0 where the other grid is closed.
     """
     if of_gap <= 0:
-        return abs(of_pressure - 1)
-    way = log(of_gap) / gap_by_pressure(gap_over_h_rms * sqrt(of_gap))
-    return abs(of_pressure * exp(way) - 1) + 0.5 * abs(way)
+        return abs(of_pressure - 1) if holds_gap else 1.0
+    steepness = gap_by_pressure(gap_over_h_rms * sqrt(of_gap))
+    if holds_gap:
+        way = log(of_gap) / steepness
+        return abs(of_pressure * exp(way) - 1) + 0.5 * abs(way)
+    way = log(of_pressure) * steepness
+    return abs(of_gap * exp(way) - 1) + 0.5 * abs(way)

@@ -108,7 +108,8 @@ class History:
             approach = contact.certificate.approach
         else:
             contact = unloaded_contact(self._sweep.working, apart)
-            of_gap = self.inherited.of_gap / contact.certificate.gap_mean
+            gap = contact.certificate.gap_mean  # 0 of a flat surface
+            of_gap = self.inherited.of_gap / gap if gap > 0 else 0.0
             certificate = replace(contact.certificate, errors=(0.0, of_gap, 0.0))
             contact = replace(contact, certificate=certificate)
             approach = -apart

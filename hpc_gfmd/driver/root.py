@@ -329,7 +329,16 @@ class Root(Target):
         if not (solved or self.miss(y) > error):
             return False
         self.note = self._note_on_jump()
-        return self._continue(solver, None if self.note else self.propose(y, error, certified=True))
+        if self.note is None:
+            return self._continue(solver, self.propose(y, error, certified=True))
+        return self._continue(solver, self._nearer_end())
+
+    def _nearer_end(self) -> float | None:
+        """Return x of the bound whose value is nearer to the aim; None at that one."""
+        assert self.low is not None
+        assert self.high is not None
+        nearer = min((self.low, self.high), key=lambda bound: self.miss(bound.value))
+        return None if nearer.x == self.x else nearer.x
 
     def _note_on_jump(self) -> str | None:
         """Return the note on a value that jumps past the aim at one load, else None."""

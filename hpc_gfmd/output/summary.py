@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import floor, inf, isfinite, isnan, log10, nan, prod, sqrt
+from math import floor, inf, isfinite, isnan, log10, nan
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -182,28 +182,49 @@ def estimate(value: float, name: str, step: dict) -> str:
 
 def error_bars(name: str, step: dict) -> tuple[float, float] | None:
     """Return relative errors, too large by and too small by, of a number, or None; p/a_r may be too
-    small by more than a_r is too large. At a prescribed area the pressure has its errors, the other
-    way round, and the gap those of the pressure.
+    small by more than a_r is too large.
     """
     if name == "p" and HELD_AREA in step:
-        of_area = error_bars("a_r", step)
-        per_area = pressure_by_area(step.get("a_r") or 0.0)
-        return None if of_area is None else (of_area[1] * per_area, of_area[0] * per_area)
+        return _bars_of_held_pressure(step)
     error = combined_error(name, step)
     if error is None:
         return None
-    if name in GAPS and HELD_AREA in step:
-        of_pressure = error_bars("p", step)
-        of_heights = step.get("gap_over_h_rms")
-        if of_pressure is None or not is_positive(of_heights):
-            return error, error
-        below, above = (error + gap_by_pressure(of_heights) * bar for bar in reversed(of_pressure))
-        return below, above
     area_errors = _area_errors(step) if name in TOO_LARGE + TOO_SMALL else None
     area_above = error if area_errors is None else sum(area_errors[1:])
+    bars = error, area_above
     if name in TOO_SMALL:
-        return area_above / (1 + area_above), error / (1 - error) if error < 1 else inf
-    return error, area_above
+        bars = area_above / (1 + area_above), error / (1 - error) if error < 1 else inf
+    return _bars_at_held_area(name, step, bars) if HELD_AREA in step else bars
+
+
+def _bars_of_held_pressure(step: dict) -> tuple[float, float] | None:
+    """Return the bars of the pressure at a prescribed area: those of the area, the other way round;
+    inf at full contact.
+    """
+    of_area = error_bars("a_r", {key: value for key, value in step.items() if key != HELD_AREA})
+    per_area = pressure_by_area(step.get("a_r") or 0.0)
+    if of_area is None or not isfinite(per_area):
+        return of_area and (inf, inf)
+    return of_area[1] * per_area, of_area[0] * per_area
+
+
+def _bars_at_held_area(name: str, step: dict, bars: tuple[float, float]) -> tuple[float, float]:
+    """Return the bars of a number that changes with the pressure which the area needs."""
+    below, above = _bars_of_held_pressure(step) or (0.0, 0.0)
+    if name == "contact_pressure_mean":
+        return max(bars[0], below), max(bars[1], above)
+    if name in ("kappa", "kappa_corrected"):
+        return max(bars[0], above), max(bars[1], below)
+    if name in GAPS:
+        of_heights = step.get("gap_over_h_rms")
+        per_pressure = gap_by_pressure(of_heights) if is_positive(of_heights) else inf
+        return bars[0] + _times(per_pressure, above), bars[1] + _times(per_pressure, below)
+    return bars
+
+
+def _times(steepness: float, error: float) -> float:
+    """Return their product, 0 of an infinite steepness without an error."""
+    return steepness * error if error else 0.0
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:
@@ -246,8 +267,8 @@ def critical_gap_error(
     """
     of_grid = 0.0
     if surface is not None:
-        spacing = sqrt(prod(surface["physical_sizes"]) / prod(surface["n"]))
-        of_grid = AT_SADDLES * surface["g_rms"] * spacing
+        spacings = [L / n for L, n in zip(surface["physical_sizes"], surface["n"]) if n > 1]
+        of_grid = AT_SADDLES * surface["g_rms"] * max(spacings, default=0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return (np.multiply(of_mean_gap, gap_mean) + of_grid) / critical_gap
 

@@ -143,7 +143,7 @@ def _one_meaning_of_commas(
     is_explained = with_commas.columns > 1 and with_commas.lines >= layout.lines
     if not is_explained or with_commas.numbers >= layout.numbers:
         return layout
-    numbers = lines[with_commas.header_lines :]
+    numbers = [_COMMENT.sub("", line) for line in lines[with_commas.header_lines :]]
     if with_commas.lines == layout.lines and not any(map(_ONLY_DECIMALS.search, numbers)):
         where = f"line {with_commas.header_lines + 1}"
         raise ValueError(

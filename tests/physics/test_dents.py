@@ -139,6 +139,13 @@ def test_unloaded_bodies():
     assert apart.gap_mean == pytest.approx(1.1 * touching, rel=1e-5)
 
 
+def test_a_flat_plate_that_is_unloaded():
+    loads = hpc_gfmd.solve(
+        np.zeros((8, 8)), [0.01, 0.05, 0.0], history=True, hardness=0.1, boundary="periodic"
+    )
+    assert [step.a_r for step in loads] == [1, 1, 0]
+
+
 def test_a_ball_comes_back_to_its_dent():
     """The approach is that from the first touch of the undeformed bodies."""
     x = (np.arange(32) + 0.5) / 16 - 1

@@ -34,6 +34,21 @@ def write_group(folder, limit, used, cached=0, version=2):
     (folder / "memory.stat").write_text(f"anon 5\ninactive_file {cached}\n")
 
 
+def test_a_load_whose_precision_is_not_known_may_need_single_only(tmp_path):
+    """As of every measured map; what single precision needs is enough for the run to begin."""
+    np.save(tmp_path / "z.npy", np.ones((512, 512)))
+    text = f"""
+surface = {{kind = "file", path = "{tmp_path}/z.npy", physical_sizes = [1, 1], boundary = "free"}}
+load = {{p_star = 0.3}}
+"""
+    scene = scene_of(text)
+    size = surface_size(scene.surface)
+    single, double = (memory.memory_of(scene, size, itemsize, 1, 1) for itemsize in (4, 8))
+    assert single < double
+    scene = scene_of(f"{text}machine.memory_gib = {(single + double) / 2}\n")
+    memory.require_memory(SerialComm(), scene, size, 1)
+
+
 def assert_too_little(words):
     with refused(words):
         memory.require_memory(SerialComm(), SCENE, surface_size(SCENE.surface), 1)

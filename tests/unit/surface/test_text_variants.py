@@ -123,6 +123,13 @@ def test_commas_of_two_meanings_are_refused(line):
         opened("z.txt", **KEYS)
 
 
+def test_comments_decide_nothing_about_commas():
+    """A date in one is no number with a decimal comma."""
+    Path("z.txt").write_text("1,2, 3,4, 5,6\n" * 4 + "# made 12,05,2024\n")
+    with refused("line 1: .*be decimal ones, allowed: surface.decimal"):
+        opened("z.txt", **KEYS)
+
+
 DAMAGE = {
     "one number less": lambda line: line.rpartition("\t")[0],
     "one number more": lambda line: f"{line}\t1.0",

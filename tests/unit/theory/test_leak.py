@@ -37,6 +37,17 @@ def test_errors_contain_the_rate_of_a_finer_grid(seed, p_star):
         assert abs(rates[0] - rates[1]) < allowed or min(rates) == 0
 
 
+def test_the_width_of_a_profile_is_no_error():
+    z = 1e-6 * np.cos(2 * np.pi * (np.arange(16) + 0.5) / 16)[None]
+    errors = [
+        hpc_gfmd.solve(
+            z, "1 MPa", "10 GPa", physical_sizes=(width, "1 mm"), boundary="periodic"
+        ).leak_rate_error()
+        for width in ("1 um", "1 mm")
+    ]
+    assert errors[0] == pytest.approx(errors[1])
+
+
 def test_a_seal_leaks_less_with_load_and_closes():
     wall = rough_wall((2, 8, 4))
     loads = hpc_gfmd.solve(wall, p_star=[0.02, 0.1, 0.6])
