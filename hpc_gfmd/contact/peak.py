@@ -98,9 +98,11 @@ def may_open(contact: Any) -> int:
     def count(i0: int, i1: int) -> int:
         p = contact.pressure_rows(max(i0 - 1, 0), min(i1 + 1, rows))
         # beyond an end there is nothing to see
-        first = p[:1] if begin + i0 == 0 and not around_x else before
-        last = p[-1:] if begin + i1 == grid.nominal[0] and not around_x else after
-        p = np.concatenate([*([first] if i0 == 0 else []), p, *([last] if i1 == rows else [])])
+        row_before = p[:1] if begin + i0 == 0 and not around_x else before
+        row_after = p[-1:] if begin + i1 == grid.nominal[0] and not around_x else after
+        begins = [row_before] if i0 == 0 else []
+        ends = [row_after] if i1 == rows else []
+        p = np.concatenate([*begins, p, *ends])
         middle = p[1:-1]
         along_y = np.pad(middle, ((0, 0), (1, 1)), "wrap" if around_y else "edge")
         drop = _drop(p[:-2], middle, p[2:]) + _drop(along_y[:, :-2], middle, along_y[:, 2:])

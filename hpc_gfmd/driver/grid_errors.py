@@ -10,7 +10,7 @@ and on profiles, so that these have a least error, too. docs/accuracy.md has the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import exp, log, sqrt
+from math import exp, inf, log, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 # up to 1.8 times; without a least error 50 and 31 were, by up to 38 times.
 AT_FREE_EDGES = 0.2
 OF_PROFILES = 0.05
+# Way, in a logarithm, from another grid's point beyond which that tells nothing. Chosen.
+TOO_FAR = 5.0
 
 
 class CoarseContact(NamedTuple):
@@ -67,28 +69,30 @@ def gap_discretisation(
     gap = contact.certificate.gap_mean
     if not (coarser and contact.contact_points > 0 and p0 > 0 and gap > 0):
         return None
-    least = OF_PROFILES if 1 in contact.grid.nominal else 0.0
+    least_error = OF_PROFILES if 1 in contact.grid.nominal else 0.0
     if reaches_free_edges(contact):
-        least = AT_FREE_EDGES
-    least /= gap
+        least_error = AT_FREE_EDGES
+    least_error /= gap
     ratios = [(coarse.p0 / p0, coarse.gap_mean / gap) for coarse in coarser[:2]]
     gap_over_h_rms = contact.gap_mean / contact.h_rms
     if holds_gap:
-        least /= gap_by_pressure(gap_over_h_rms)
+        least_error /= gap_by_pressure(gap_over_h_rms)
     changes = [_change(*of_both, gap_over_h_rms, holds_gap) for of_both in ratios]
-    return max(least, *(change / 2**k for k, change in enumerate(changes)))
+    return max(least_error, *(change / 2**k for k, change in enumerate(changes)))
 
 
 def _change(of_pressure: float, of_gap: float, gap_over_h_rms: float, holds_gap: bool) -> float:
     """Return the relative change of the gap at the same pressure, or (holds_gap) of the pressure at
     the same gap, from another grid's ratios of both: along the curve between both points, of whose
-    way half may be wrong. of_gap: 0 where the other grid is closed.
+    way half may be wrong, inf if it is TOO_FAR. of_gap: 0 where the other grid is closed.
     """
     if of_gap <= 0:
         return abs(of_pressure - 1) if holds_gap else 1.0
     steepness = gap_by_pressure(gap_over_h_rms * sqrt(of_gap))
     if holds_gap:
+        ratio = of_pressure
         way = log(of_gap) / steepness
-        return abs(of_pressure * exp(way) - 1) + 0.5 * abs(way)
-    way = log(of_pressure) * steepness
-    return abs(of_gap * exp(way) - 1) + 0.5 * abs(way)
+    else:
+        ratio = of_gap
+        way = log(of_pressure) * steepness
+    return inf if abs(way) > TOO_FAR else abs(ratio * exp(way) - 1) + 0.5 * abs(way)

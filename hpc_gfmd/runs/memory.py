@@ -85,8 +85,8 @@ def require_memory(comm: Comm, scene: Scene, size: Size, threads: int) -> None:
     """Raise SceneError on all ranks if a machine has, or its limits (ulimit -v, machine.memory_gib)
     allow, less memory than its loads certainly need. Collective.
     """
-    known = [dtype for dtype in precisions(scene, size.n) if dtype is not None]
-    itemsize = max(dtype.itemsize for dtype in [first_of_scene(scene), *known])
+    predicted = [dtype for dtype in precisions(scene, size.n) if dtype is not None]
+    itemsize = max(dtype.itemsize for dtype in [first_of_scene(scene), *predicted])
     gib_per_rank = memory_of(scene, size, itemsize, comm.size, threads)
     gib_of_limit = float(comm.min([limit_gib()])[0])
     n_x, n_y = size.n
