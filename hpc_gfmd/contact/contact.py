@@ -238,8 +238,17 @@ class Contact:
         return self.pressure_of(self.g[i0:i1], self.p[i0:i1])
 
     def pressure_of(self, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Return the pressure in rows, perhaps of another rank, whose fields `g` and `p` are given,
-        as `pressure_rows`.
+        """Return the pressure in rows, perhaps of another rank, as a new array.
+
+        Parameters
+        ----------
+        g, p : ndarray, shape (rows, columns)
+            The fields of these rows, with padding.
+
+        Returns
+        -------
+        ndarray, shape (rows, n_y)
+            As of `pressure_rows`.
         """
         p_yield = None
         if self.hardness is not None:
