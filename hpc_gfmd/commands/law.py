@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,9 +15,6 @@ from .common import add_file, add_json, add_overrides, add_quiet, as_json
 if TYPE_CHECKING:
     from ..output.interface_law import InterfaceLaw
 
-OPTIONS = {"start": "--from", "stop": "--to", "path": "-o"} | {  # by arguments of functions
-    name: f"--{name}" for name in ("error", "realisations", "quantities", "conductivity", "name")
-}
 PLAIN_NUMBER = re.compile(r"[-+.\deE]+")
 HELP = "area, gap, stiffness, conductance against pressure, for finite elements"
 DESCRIPTION = """
@@ -97,20 +92,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_quiet(parser)
 
 
-@contextmanager
-def naming_options() -> Iterator[None]:
-    """Let the message of a SceneError name options of the command instead of arguments."""
-    try:
-        yield
-    except SceneError as error:
-        names, _, what = str(error).partition(": ")
-        options = [OPTIONS.get(name) for name in names.split(", ")]
-        if not what or None in options:
-            raise
-        raise SceneError(f"{', '.join(map(str, options))}: {what}") from None
-
-
-@naming_options()
 def main(args: Namespace) -> int:
     """Compute a law and write its files; returns 3 if a load did not converge. Collective."""
     from ..output.interface_law import QUANTITIES

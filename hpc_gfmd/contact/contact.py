@@ -235,26 +235,12 @@ class Contact:
             In the program's units (`pressure_unit`): 0 out of contact, the hardness where a point
             yields.
         """
-        return self.pressure_of(self.g[i0:i1], self.p[i0:i1])
-
-    def pressure_of(self, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Return the pressure in rows, perhaps of another rank, as a new array.
-
-        Parameters
-        ----------
-        g, p : ndarray, shape (rows, columns)
-            The fields of these rows, with padding.
-
-        Returns
-        -------
-        ndarray, shape (rows, n_y)
-            As of `pressure_rows`.
-        """
+        p = self.p[i0:i1]
         p_yield = None
         if self.hardness is not None:
             p_yield = p.dtype.type(self.hardness / self.pressure_unit)
         pressure = np.empty((len(p), self.grid.nominal[1]), p.dtype)
-        contact_pressure(g, p, p_yield, pressure)
+        contact_pressure(self.g[i0:i1], p, p_yield, pressure)
         return pressure
 
     def gap_rows(self, i0: int, i1: int) -> np.ndarray:

@@ -90,9 +90,12 @@ def may_open(contact: Any) -> int:
     grid = contact.grid
     rows = grid.inside[0]
     around_x, around_y = contact.periodic
-    starts = np.minimum(grid.starts, grid.nominal[0])
-    g, p = (neighbours(grid.comm, field[:rows], starts, 1) for field in (contact.g, contact.p))
-    before, after = (contact.pressure_of(*fields) for fields in zip(g, p))
+    # the first and the last row of each rank that has any
+    ends = [(0, min(1, rows)), (max(rows - 1, 0), rows)]
+    borders = np.concatenate([contact.pressure_rows(*end) for end in ends])
+    have_rows = np.diff(np.minimum(grid.starts, grid.nominal[0])) > 0
+    starts = np.append(0, np.cumsum(2 * have_rows))
+    before, after = neighbours(grid.comm, borders, starts, 1)
     begin, _ = grid.nominal_rows
 
     def count(i0: int, i1: int) -> int:
@@ -100,9 +103,9 @@ def may_open(contact: Any) -> int:
         # beyond an end there is nothing to see
         row_before = p[:1] if begin + i0 == 0 and not around_x else before
         row_after = p[-1:] if begin + i1 == grid.nominal[0] and not around_x else after
-        begins = [row_before] if i0 == 0 else []
-        ends = [row_after] if i1 == rows else []
-        p = np.concatenate([*begins, p, *ends])
+        above = [row_before] if i0 == 0 else []
+        below = [row_after] if i1 == rows else []
+        p = np.concatenate([*above, p, *below])
         middle = p[1:-1]
         along_y = np.pad(middle, ((0, 0), (1, 1)), "wrap" if around_y else "edge")
         drop = _drop(p[:-2], middle, p[2:]) + _drop(along_y[:, :-2], middle, along_y[:, 2:])

@@ -35,26 +35,9 @@ def test_existing_files_and_bad_arguments_are_refused(scene, cli, tmp_path):
     existing.write_text("mine")
     assert "--force" in cli.refused("law", scene, *RANGE, "-o", existing)
     assert existing.read_text() == "mine"
-
-
-REFUSED = {
-    "--from 1nm --to 1": "--from: found '1nm'",
-    "--from 1 --to -1": "--to: found '-1'",
-    "--from 2 --to 1": "--from, --to: found 2 and 1, allowed: the first below the second",
-    "--from 1 --to 2 --error 90%": "--error: found 0.9",
-    "--from 1 --to 2 --realisations 0": "--realisations: found 0",
-    "--from 1 --to 2 --quantities perimeter": "--quantities: found perimeter",
-    "--from 1 --to 2 --conductivity -1": "--conductivity: found",
-    "--from 1 --to 2 -o law.txt": "-o: found 'law.txt', allowed: one in .csv",
-    "--from 1 --to 2 -o missing/law.csv": "-o: no such folder",
-    "--from 1 --to 2 -o law.inp --name 1": "--name: found '1'",
-    "--from 1 --to 2 --set surface.hurst=7": "surface.hurst: found 7",
-}
-
-
-def test_messages_name_the_options(scene, cli):
-    for options, words in REFUSED.items():
-        assert words in cli.refused("law", scene, *options.split())
+    assert ".csv" in cli.refused("law", scene, *RANGE, "-o", tmp_path / "law.txt")
+    assert "start" in cli.refused("law", scene, "--from", "1 nm", "--to", "1 MPa")
+    assert "conductivity" in cli.refused("law", scene, *RANGE, "--conductivity", "-1")
 
 
 UNWRITABLE = [
