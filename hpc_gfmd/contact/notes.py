@@ -20,8 +20,10 @@ RESOLVED, FLIPPING = 0.5, 1.0  # softening over stiffness of one point: fine; fl
 
 def notes_on(contact: Any) -> list[str]:
     """Return all notes on a Contact, most important first, without those on its surface."""
+    doubt = _doubt(contact)
     notes = [
-        _doubt(contact),
+        doubt,
+        _limit(contact) if doubt is None or contact.status == "stagnated" else None,
         *_on_attraction(contact),
         contact.remark,
         *load_notes(contact.p_mean, contact.E_star, contact.g_rms),
@@ -52,12 +54,21 @@ def _doubt(contact: Any) -> str | None:
     if contact.gap_is_rounding:
         precision = "single" if contact.g.dtype == np.float32 else "double"
         return f"the gap is all rounding at this load in {precision} precision"
-    best = contact.certificate.attainable[0]
-    if contact.accuracy < best < np.inf:
-        return (
-            f"the mean gap is known to {best:.1g} at best: rounding errors, and those of free edges"
-            " and of loads before"
-        )
+    return None
+
+
+def _limit(contact: Any) -> str | None:
+    """Return which relative error of a Contact is large and cannot be reduced by iterations."""
+    gap, pressure = contact.certificate.attainable
+    limited = {"mean gap": gap, "pressure": pressure}
+    if contact.status == "stagnated" and pressure > 0:
+        limited["area"] = contact.certificate.errors[0]
+    for name, best in limited.items():
+        if contact.accuracy < best < np.inf:
+            return (
+                f"the {name} is known to {best:.1g} at best: rounding errors, and those of free"
+                " edges and of loads before"
+            )
     return None
 
 

@@ -1,7 +1,7 @@
 """What a load prescribes: a mean pressure p0, or a quantity whose p0 is found on the way.
 
 `Target` itself is a dead load. `Pressure` (full_contact.py) is one that may close the gap and
-`Closing` the smallest that does, `Root` (root.py, quantities.py) is an area, a gap or an approach,
+`Closing` the smallest that does, `Root` (root.py) is an area, a gap or an approach,
 and `Held` (held.py) a gap or an approach with an attraction.
 """
 

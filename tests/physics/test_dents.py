@@ -187,4 +187,18 @@ def test_a_light_load_with_the_errors_of_a_heavy_one_has_stagnated_by_itself():
         found = hpc_gfmd.solve(random_heights((32, 32), 3), [0.3, 0.003, 0.3, 0.2], **how)
     assert [load.status for load in found] == ["converged", "stagnated", "converged", "converged"]
     assert found[1].pressure_error > 1e-3
+    assert "the pressure is known to" in found[1].note
     assert max(found[k].pressure_error for k in (0, 2, 3)) < 1e-3
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_areas_of_mirror_images_after_a_heavier_load(seed):
+    """Images touch at one load, which the errors of the load before leave open: it stagnated there.
+    Either side is within the error, and the nearer is taken.
+    """
+    z = 0.02 * np.random.default_rng(seed).normal(size=(16, 16))
+    keys = {"hardness": 0.3, "boundary": "mirror", "physical_sizes": (1.0, 1.0), "fields": ()}
+    light = hpc_gfmd.solve(z, a_r=[0.3, 0.15], history=True, **keys)[1]
+    assert light.converged
+    assert light.a_r_error < 1e-3
+    assert abs(light.a_r * 1024 - 0.15 * 1024) < 4

@@ -116,6 +116,32 @@ def test_a_profile():
     assert 0.15 < np.mean(relative_errors) < 0.4
 
 
+def test_the_gap_of_a_profile_has_the_same_bar_at_any_width():
+    """A bar that followed the width of 1e-5 was a fifth of the error, that of 100 larger than the
+    gap."""
+    rng = np.random.default_rng(2)
+    k = np.arange(1, 9)
+    amplitudes = 0.01 * rng.normal(size=8) / k
+    phases = rng.uniform(0, 2 * np.pi, 8)
+
+    def profile(n):
+        waves = amplitudes * np.cos(2 * np.pi * np.arange(n)[:, None] / n * k + phases)
+        return waves.sum(axis=1, keepdims=True)
+
+    keys = {"boundary": "periodic", "fields": ()}
+    exact = hpc_gfmd.solve(profile(2048), 0.0046, physical_sizes=(1, 1), **keys).gap_mean
+    cells = [(1, 1e-5), (1, 1.0), (1, 100.0), (64, 1.0)]
+    steps = [
+        hpc_gfmd.solve(
+            np.repeat(profile(64), n_y, axis=1), 0.0046, physical_sizes=(1, L_y), **keys
+        ).result.steps[0]
+        for n_y, L_y in cells
+    ]
+    bars = [combined_error("gap_mean", step) for step in steps]
+    assert bars == pytest.approx([bars[0]] * len(cells), rel=1e-3)
+    assert 0.1 < abs(exact / steps[0]["gap_mean"] - 1) / bars[0] < 1
+
+
 def test_the_mean_pressure_of_a_profile():
     """Where a narrow contact is too wide by its bar, the load over it is too small by more."""
     shares = []
