@@ -8,7 +8,6 @@ it. A load also ends if it makes no progress any more (`Limits`), is interrupted
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -107,7 +106,7 @@ class Loop:
 
     def begin_with(self, certificate: Certificate) -> Outcome | None:
         """Return the outcome if the start is the solution, by its certificate; else begin there."""
-        certificate = self._with_errors_that_count(certificate)
+        certificate = self.target.certificate_of(self.solver, certificate)
         error = self.criterion.left(certificate)
         if max(error, self.target.judge(self.solver, certificate)) < 1:
             return self._solved(certificate)
@@ -208,14 +207,7 @@ class Loop:
     def _certificate(self) -> Certificate:
         certificate = self.certifier.certify(self.solver)
         self.pairs += certificate.pairs
-        return self._with_errors_that_count(certificate)
-
-    def _with_errors_that_count(self, certificate: Certificate) -> Certificate:
-        """Return a certificate without errors of area and gap if all is closed and has to be."""
-        if not self.target.closes or certificate.contact < self.solver.N:
-            return certificate
-        _, _, pressure_error = certificate.errors
-        return replace(certificate, errors=(0.0, 0.0, pressure_error))
+        return self.target.certificate_of(self.solver, certificate)
 
     def _solved(self, certificate: Certificate) -> Outcome | None:
         """Return the outcome of an accurate state; None if the guard does not confirm it."""

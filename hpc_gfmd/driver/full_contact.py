@@ -7,6 +7,7 @@ displacement beyond the surface.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -89,6 +90,13 @@ class Closing(Target):
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
         """True: a point that is about to open is no error of the area."""
         return True
+
+    def certificate_of(self, solver: Solver, certificate: Certificate) -> Certificate:
+        """Return a certificate without errors of area and gap if all is closed, as it has to be."""
+        if certificate.contact < solver.N:
+            return certificate
+        _, _, pressure_error = certificate.errors
+        return replace(certificate, errors=(0.0, 0.0, pressure_error))
 
     def judge(self, solver: Solver, certificate: Certificate) -> float:
         """Return 0 if all points are closed at the smallest such load, else infinity."""

@@ -28,7 +28,7 @@ class Target:
     note: str | None = None  # a remark for the user on the load that was found
     needs_double = False  # whether single precision cannot find the load, as far as known
     from_full_contact = False  # whether the iterations start from a gap of 0
-    closes = False  # whether points that are about to open are no errors of area and gap
+    closes = False  # whether all points have to touch
     spring = 0.0  # stiffness of the spring that presses the body; 0: a dead load
     touches = False  # whether bodies that come apart have to be brought back
 
@@ -62,6 +62,10 @@ class Target:
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
         """Return whether a certificate may find area and target accurate; a pass over points."""
         return area_may_be_met(solver, progress, accuracy)
+
+    def certificate_of(self, solver: Solver, certificate: Certificate) -> Certificate:
+        """Return a certificate with the errors that this target makes of those at the same load."""
+        return certificate
 
     def judge(self, solver: Solver, certificate: Certificate) -> float:
         """Return by how much a certificate misses the target, over what is allowed."""

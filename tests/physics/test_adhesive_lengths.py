@@ -56,6 +56,19 @@ def test_a_ball_at_an_approach(precision):
     assert ends[0].value("approach") == pytest.approx(0, abs=1e-3 * adhesion["range"])
 
 
+@pytest.mark.parametrize(("seed", "gap"), [(0, 0.05), (3, 0.03), (12, 0.05)])
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
+def test_the_error_of_a_pressure_contains_the_gap_that_is_missed(seed, gap, accuracy):
+    wall = hpc_gfmd.make_surface(
+        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=4, seed=seed
+    )
+    keys = {"gap_mean": gap, "adhesion": {"work": 0.002, "range": 0.02}, "fields": ()}
+    exact = hpc_gfmd.solve(wall, **keys, accuracy=1e-6)
+    solution = hpc_gfmd.solve(wall, **keys, accuracy=accuracy)
+    bar = solution.value("p_error")
+    assert abs(exact.p / solution.p - 1) < bar < 60 * accuracy
+
+
 @pytest.mark.parametrize("branch", ["approach", "retraction"])
 def test_a_rough_wall_at_mean_gaps(branch):
     """The pressures that give these gaps come out again, those that pull included."""
