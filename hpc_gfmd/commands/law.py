@@ -186,12 +186,15 @@ def _tightness(law: InterfaceLaw) -> list[str]:
     scale, unit = prefixed(law.pressure.tolist(), unit) if unit == "Pa" else (1.0, unit)
     lines = []
     for axis in "xy":
-        closed = law.values.get(f"critical_gap_{axis}")
-        if closed is not None and (closed == 0).any() and closed[0] > 0:
+        name = f"critical_gap_{axis}"
+        gaps = law.values.get(name)
+        if gaps is not None and (gaps == 0).any() and gaps[0] > 0:
             tight = law.sealing_pressure(axis)
-            leaks = law.pressure[law.pressure < tight][-1]
+            leaks = int((law.pressure < tight).sum()) - 1
+            bar = gaps[leaks] * law.errors[name][leaks]
             lines.append(
                 f"tight along {axis} from {tight / scale:.4g} {unit}".rstrip()
-                + f", not yet at {leaks / scale:.4g} {unit}".rstrip()
+                + f", not yet at {law.pressure[leaks] / scale:.4g} {unit}".rstrip()
+                + f", on this grid: critical gaps are within {bar:.2g} {law.units[name]}".rstrip()
             )
     return lines

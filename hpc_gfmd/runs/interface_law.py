@@ -285,7 +285,8 @@ def _estimated_error(name: str, steps: Steps, surface: Mapping[str, Any] | None 
     """Return the largest relative error of a quantity over the surfaces at one load, without the
     error by the grid if there is no `surface` (attributes): it is nearly the same at near loads.
     """
-    return max(_relative_error(name, step, surface) for step in steps)
+    not_closed = [step for step in steps if step.get(name) != 0] or steps
+    return max(_relative_error(name, step, surface) for step in not_closed)
 
 
 def _relative_error(name: str, step: Mapping[str, Any], surface: Mapping[str, Any] | None) -> float:
@@ -303,8 +304,8 @@ def _relative_error(name: str, step: Mapping[str, Any], surface: Mapping[str, An
     if name.startswith("critical_gap"):
         value = step.get(name)
         of_the_gap = float(step["gap_error"]) + float(step.get("gap_discretisation") or 0.0)
-        if not value:
-            return 0.0
+        if not value:  # closed: no error is relative to that
+            return 0.0 if surface is None else math.inf
         return float(critical_gap_error(value, step["gap_mean"], of_the_gap, surface))
     bars = error_bars(name, dict(step))
     return of_solver if bars is None else float(max(bars))

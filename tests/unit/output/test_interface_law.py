@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hpc_gfmd.commands.law import as_text
 from hpc_gfmd.output.interface_law import InterfaceLaw, interpolate
 from hpc_gfmd.output.law_files import read_law, write_law
 from hpc_gfmd.output.unit_systems import SYSTEMS, converted
@@ -58,6 +59,16 @@ def test_sealing_pressure():
     law.values["critical_gap_x"][:] = 1e-6
     with pytest.raises(SceneError, match="open"):
         law.sealing_pressure("x")
+
+
+def test_a_seal_that_is_tight_on_this_grid_says_what_the_grid_leaves_open():
+    law = power_law()
+    law.errors["critical_gap_x"][law.values["critical_gap_x"] == 0] = np.inf
+    *_, closed, tight = as_text(law).splitlines()
+    assert closed.endswith("0 +- ?")
+    leaks = law.pressure[law.pressure < 0.99e8][-1]
+    bar = 0.01 * 1e-6 * (1e6 / leaks) ** 0.4
+    assert tight.endswith(f"on this grid: critical gaps are within {bar:.2g} m")
 
 
 def test_a_law_is_not_extrapolated():
