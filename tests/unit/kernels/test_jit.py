@@ -2,10 +2,9 @@
 
 import re
 
-import numba
 import numpy as np
 
-from hpc_gfmd.kernels.jit import FASTMATH, KernelCompiler
+from hpc_gfmd.kernels.jit import kernel
 
 
 def scaled(a, factor, out):
@@ -15,9 +14,9 @@ def scaled(a, factor, out):
 
 
 def test_a_kernel_uses_vectors():
-    compiled = numba.njit(
-        "(f4[::1], f4, f4[::1])", fastmath=FASTMATH, pipeline_class=KernelCompiler, _nrt=False
-    )(scaled)
+    compiled = kernel(scaled)
+    compiled.files = None  # code from a file cannot be looked at
+    compiled.compile("(f4[::1], f4, f4[::1])")
     (code,) = compiled.inspect_llvm().values()
     assert re.search(r"fmul [\w ]*<\d+ x float>", code)
     out = np.zeros(77, np.float32)
