@@ -15,7 +15,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Add the arguments of the command to its parser."""
     add_file(parser, "scene", metavar="SCENE.toml", help="scene file")
     parser.add_argument(
-        "--ranks", metavar="K", type=int, default=1, help="number of ranks (default: %(default)s)"
+        "--ranks",
+        metavar="K",
+        type=int,
+        help="number of ranks (default: as many as mpirun started)",
     )
     parser.add_argument(
         "--threads", metavar="T", type=int, help="threads per rank, instead of machine.threads"
@@ -33,6 +36,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Print grid, memory and time of a scene; SceneError, afterwards, if it does not fit here."""
+    from ..parallel.launcher import launched
     from ..parallel.thread_count import auto_threads, ranks_per_node
     from ..runs.loads import check
     from ..runs.memory import ADVICE
@@ -47,6 +51,7 @@ def main(args: Namespace) -> int:
             raise SceneError(
                 f"--{option.replace('_', '-')}: found {number}, allowed: a whole number from 1"
             )
+    ranks = args.ranks or launched()[1] or 1
     scene = load_scene(args.scene, args.set)
     check(scene)
     size = surface_size(scene.surface)
@@ -54,9 +59,9 @@ def main(args: Namespace) -> int:
     core_count = len(cores())
     threads = args.threads or scene.machine.threads
     if threads == "auto":
-        threads = auto_threads(n_x * n_y, args.ranks, core_count)
-    per_node = min(args.ranks, args.ranks_per_node or ranks_per_node(args.ranks, threads))
-    plan = plan_of(scene, size, args.ranks, per_node, threads, core_count)
+        threads = auto_threads(n_x * n_y, ranks, core_count)
+    per_node = min(ranks, args.ranks_per_node or ranks_per_node(ranks, threads))
+    plan = plan_of(scene, size, ranks, per_node, threads, core_count)
     gib_available = scene.machine.memory_gib or available_gib()
     plan["gib_available"] = gib_available
     print(as_json(plan, 1) if args.json else text_of(plan))
@@ -64,10 +69,10 @@ def main(args: Namespace) -> int:
     # to fit into one like this.
     is_this_machine = per_node * threads <= core_count or scene.machine.memory_gib is not None
     ranks_here = per_node if is_this_machine else 1
-    gib = plan["gib"] if ranks_here == args.ranks else ranks_here * plan["gib_per_rank"]
+    gib = plan["gib"] if ranks_here == ranks else ranks_here * plan["gib_per_rank"]
     if gib > gib_available:
         raise SceneError(
-            f"surface: {n_x} x {n_y} points need {gib:.2f} GiB on {ranks_here} of {args.ranks}"
+            f"surface: {n_x} x {n_y} points need {gib:.2f} GiB on {ranks_here} of {ranks}"
             f" ranks, this machine has {gib_available:.2f} GiB: {ADVICE}"
         )
     return 0

@@ -174,6 +174,13 @@ def test_plan(cli, folder):
     assert [p.name for p in folder.iterdir()] == ["scene.toml"]
 
 
+def test_plan_is_of_the_ranks_that_were_started(cli, folder, monkeypatch):
+    monkeypatch.setattr("hpc_gfmd.parallel.launcher.launched", lambda: (True, 3))
+    monkeypatch.setattr("hpc_gfmd.parallel.world.launched", lambda: (False, None))
+    assert cli.data("plan scene.toml")["ranks"] == 3
+    assert cli.data("plan scene.toml --ranks 2")["ranks"] == 2
+
+
 @pytest.mark.parametrize(
     "keys", ['unit = "um"', "physical_sizes = [1.0, 3.0]\ncrop = [0.0, 0.0, 0.5, 3.0]"]
 )
