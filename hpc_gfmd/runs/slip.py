@@ -269,7 +269,7 @@ class PartialSlip:
         stored = heaviest.value("energy")
         stored -= self._solutions[place].value("energy") if place >= 0 else 0.0
         share = 8 * (heaviest.p * compressed - stored) - 4 * (P - inner) * scale * compressed
-        return float(path.friction * path.ratio * share)
+        return float(path.friction**2 * path.ratio * share)
 
 
 def slip(

@@ -43,7 +43,7 @@ def test_a_ball_under_an_oscillating_load(n, tolerance):
     )
     assert np.abs(result.shift / whole - exact).max() < tolerance
     lost = 24 / 5 * (1 - (1 - X) ** (5 / 3) - 5 * X / 6 * (1 + (1 - X) ** (2 / 3)))
-    assert result.loss(X * MU * P) * 4 / (P * whole) == pytest.approx(lost, rel=1e-3)
+    assert result.loss(X * MU * P) * 4 / (MU * P * whole) == pytest.approx(lost, rel=1e-3)
     traction = result.traction(5)
     assert 4 * traction.mean() == pytest.approx(MU * P * y[5], rel=1e-5)
     assert (np.abs(traction) <= MU * solutions[-1].pressure * (1 + 1e-6) + 1e-9).all()
@@ -65,6 +65,16 @@ def test_any_path_is_balanced_and_does_not_slide(seed):
         assert (highs[0], lows[-1]) == (P, pytest.approx(0, abs=1e-15))
         assert lows[:-1] == pytest.approx(highs[1:])
         assert 0 <= state.edge <= P
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.8])
+def test_the_loss_is_the_area_of_the_loop(friction):
+    P = 0.15
+    sweep = 0.7 * friction * P * np.cos(np.pi * np.arange(41) / 20)  # a cycle from the largest T
+    path = hpc_gfmd.slip(friction, P, sweep)
+    result = path.of(hpc_gfmd.solve(rough_wall((2, 8, 2)), path.loads, accuracy=1e-5))
+    loop = np.trapezoid(sweep, result.shift)
+    assert result.loss(sweep[0]) == pytest.approx(loop, rel=0.01)
 
 
 def test_loads_that_rise_together_do_not_slip():
