@@ -199,7 +199,9 @@ def test_errors_at_a_held_gap_are_those_of_what_the_spring_holds(accuracy):
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_the_error_of_a_held_pressure_is_that_of_the_gap_times_the_spring(boundary):
-    """The spring is 8 times as stiff as the longest wave of the cell, larger with free edges."""
+    """The spring is 8 times as stiff as the longest wave of the cell, larger with free edges; what
+    the gap misses counts with the slope of the pressure.
+    """
     solution = hpc_gfmd.solve(
         random_heights((16, 16)) / 100,
         gap_mean=0.02,
@@ -211,7 +213,8 @@ def test_the_error_of_a_held_pressure_is_that_of_the_gap_times_the_spring(bounda
     cells = grid.cell_points / grid.N
     spring = cells * 8 * np.pi / np.sqrt(cells)
     error = solution.gap_error * solution.gap_mean
-    assert solution.p_error * abs(solution.p) == pytest.approx(spring * error)
+    of_missed = solution.p_error * abs(solution.p) - spring * error
+    assert 0 < of_missed < 2 * spring * abs(solution.gap_mean - 0.02)
 
 
 def test_full_contact_under_tension_is_not_certified():
