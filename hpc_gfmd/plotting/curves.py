@@ -286,7 +286,7 @@ def _tight(ax: Any, sweeps: Sequence[DrawnSweep], key: str, loads: LoadAxis) -> 
     open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]
     tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
     if tight_loads:
-        right = ax.get_xlim()[1]
+        right = max(ax.get_xlim()[1], loads.of(tight_loads[-1]) * BEYOND)
         ax.axvspan(loads.of(tight_loads[0]), right, color="0.9", zorder=0, label="tight")
         ax.set_xlim(right=right)
 

@@ -17,8 +17,8 @@ PER_DECADE = 10  # bins of the gap
 DECADES = 5  # of the gap that are shown; smaller ones are rounding
 # symbol, title, least share of a bin (over the smallest that is not 0), power of the unit
 DISTRIBUTIONS = {
-    "pressure": ("p", "pressure in the contact", 4, 1),
-    "gap": ("g", "gap outside", 4, 1),
+    "pressure": ("p", "pressure in the contact: share of all points", 4, 1),
+    "gap": ("g", "gap outside: share of all points", 4, 1),
     "patches": ("A", "contact patches", 1, 2),
 }
 SYMBOLS = {"heights": "z", "pressure": "p", "gap": "g"}

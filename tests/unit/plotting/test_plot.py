@@ -354,6 +354,7 @@ def test_tight_loads_are_shaded():
     (ax,) = sweep.plot("critical_gap_x").axes
     (shaded,) = (patch for patch in ax.patches if patch.get_label() == "tight")
     assert shaded.get_x() == pytest.approx(sweep.p_star[first])
+    assert ax.get_xlim()[1] > sweep.p_star[-1]
     assert len(ax.containers[0].lines[0].get_xdata()) == first
     (ax,) = sweep.plot("critical_gap_x", step=[0, 1]).axes
     assert not ax.patches
