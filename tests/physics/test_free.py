@@ -111,6 +111,18 @@ def test_cylinder(axis):
     assert observe(step, "energy") is None
 
 
+@pytest.mark.parametrize(("n_y", "width"), [(1, 1e-6), (1, 60.0), (1, 1e6), (2, 1e-6)])
+def test_the_width_of_a_cylinder_does_not_matter(n_y, width):
+    """The pressure along the free axis is that of a square cell, however narrow or wide."""
+    x = (np.arange(64) + 0.5) / 64 - 0.5
+    z = np.repeat(-(x[:, None] ** 2), n_y, axis=1)
+    wanted, p = (
+        field(sweep_over(z, (1.0, size), free=(True, False), **EXACT).solve(0.05), "pressure")
+        for size in (1.0, width)
+    )
+    assert relative(p, wanted) < 1e-6
+
+
 def compliance(n, sizes):
     """Return S in free space between all points for E* = 1.
 
