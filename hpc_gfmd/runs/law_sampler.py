@@ -15,6 +15,7 @@ from ..output.summary import surface_line
 from ..parallel.guard import on_rank_0
 from ..parallel.world import comm_of
 from ..scene import Scene, load_scene
+from ..scene.history import refuse_relaxation
 from ..scene.settings import HOW
 from ..util.errors import SceneError
 from .in_memory import Surfaces, is_scene, kernels_ready, scene_and_surface, surfaces_of_scene
@@ -93,7 +94,7 @@ class Sampler:
 
     def _heights(self, heights: Any, keys: Mapping[str, Any]) -> tuple[Scene, Surfaces]:
         """Return a scene of heights in memory, and what makes their surface."""
-        for key in HOW:
+        for key in ("relaxation", *HOW):
             if key in keys:
                 raise SceneError(
                     f"{key}: found in a law, whose loads do not follow from each other, allowed: a"
@@ -107,6 +108,7 @@ class Sampler:
     def _of_law(self, scene: Scene) -> Scene:
         """Return a scene whose load and output are those of the law."""
         tables = scene.model_dump(exclude_none=True)
+        refuse_relaxation(tables)
         tables["load"] = {"pressure": self.pressure}
         tables["output"] = {"observables": self.observables}
         scene = type(scene).from_dict(tables)

@@ -1,8 +1,11 @@
 """What a scene with a memory of its loads (load.history, load.time) needs and excludes."""
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
+from typing import Any
 
+from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .settings import LoadTable, Material, Output
 from .table import alike
@@ -45,6 +48,16 @@ def require_history(load: LoadTable, material: Material, output: Output) -> None
         raise ValueError(
             "load.history: found false with material.hardness and material.relaxation, allowed:"
             " true"
+        )
+
+
+def refuse_relaxation(tables: Mapping[str, Any], origin: str = "scene") -> None:
+    """Raise SceneError, which begins with `origin`, for a law of a body that relaxes."""
+    material = tables.get("material")
+    if isinstance(material, Mapping) and "relaxation" in material:
+        raise SceneError(
+            f"{origin}: material.relaxation: found in a law, which would depend on time, allowed:"
+            " a law of a body that does not relax"
         )
 
 

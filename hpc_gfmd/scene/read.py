@@ -9,6 +9,7 @@ from typing import Any
 
 from ..util.errors import SceneError, one_line
 from .explain import printable, shown
+from .history import refuse_relaxation
 from .model import Scene, parse_toml
 from .settings import LOADS
 
@@ -20,7 +21,7 @@ def load_scene(
     path: str | PathLike, overrides: Iterable[str] = (), needs_load: bool = True
 ) -> Scene:
     """Read and validate a scene file, with overrides; paths of maps, relative to its folder, become
-    absolute. Without needs_load a missing [load] gets some load.
+    absolute. Without needs_load, for a law, a missing [load] gets some load.
     """
     origin = printable(str(path))
     text = _read(path, origin)
@@ -31,6 +32,7 @@ def load_scene(
     for override in overrides:
         apply_override(data, override)
     if not needs_load:
+        refuse_relaxation(data, origin)
         data.setdefault("load", {"p_star": 0.01})
     return Scene.from_dict(data, origin, Path(path).parent)
 

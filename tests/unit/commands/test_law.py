@@ -40,6 +40,14 @@ def test_existing_files_and_bad_arguments_are_refused(scene, cli, tmp_path):
     assert "conductivity" in cli.refused("law", scene, *RANGE, "--conductivity", "-1")
 
 
+def test_bodies_that_relax_are_refused(scene, cli):
+    """With their loads or without, by a message that names the key and the scene."""
+    relaxes = ("--set", "material.relaxation=[[0.5, 1.0]]")
+    for more in ((), ("--set", "load.time=0.0")):
+        message = cli.refused("law", scene, *RANGE, *relaxes, *more)
+        assert "scene.toml: material.relaxation: found in a law, which would depend on" in message
+
+
 UNWRITABLE = [
     (("-o", "missing/law.csv"), "folder"),
     (("-o", "law.inp", "--quantities", "a_r"), "gap_mean"),

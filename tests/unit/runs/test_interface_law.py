@@ -111,6 +111,7 @@ BAD = [
     ({"start": 0.1, "stop": 0.5, "error": "5%"}, "error: found '5%'"),
     ({"start": 0.1, "stop": 0.5, "hardness": 9.0, "history": True}, "history: found in a law"),
     ({"start": 0.1, "stop": 0.5, "branch": "retraction"}, "branch: found in a law"),
+    ({"start": 0.1, "stop": 0.5, "relaxation": [(0.5, 1.0)]}, "relaxation: found in a law"),
     ({"start": 0.1, "stop": 0.5, "quantities": ["area"]}, "area"),
     ({"start": 0.1, "stop": 0.5, "quantities": ["perimeter"]}, "perimeter, which jump"),
     ({"start": 0.1, "stop": 0.5, "realisations": 2}, "realisations"),
