@@ -87,7 +87,8 @@ def solve(
 ) -> Solution | Solutions:
     """Press an elastic body against a rigid rough surface.
 
-    The contact is linear elastic, frictionless, and of small slopes.
+    The contact is frictionless and of small slopes, the body linear elastic unless it relaxes or
+    has a hardness.
 
     Parameters
     ----------
