@@ -127,7 +127,7 @@ class Material(Table):
         "shares of the modulus at time 0 that relax, and their times (Prony series)",
         None,
         unit="time",
-        allowed="a list of [share, time]",
+        allowed="a list of [share, time], shares above 0 with a sum below 1, times above 0",
         example=[[0.6, "1 s"], [0.3, "10 s"]],
         default_text="none, elastic",
     )

@@ -116,6 +116,8 @@ material.adhesion = {work = 0.1, range = "2 N"} | material.adhesion.range: found
 material.adhesion = {work = "2 nm", range = 1.0} | material.adhesion.work: found '2 nm', 'nm' is a unit of length, not of work
 material.adhesion = {wrk = 0.1, range = 1.0} | material.adhesion.wrk: unknown key, nearest: material.adhesion.work, allowed: work, range, law
 material.adhesion = {work = 0.1, range = 0.01, law = 3} | material.adhesion.law: found 3, allowed: "exponential" or the name of another law
+material.relaxation = [[1.2, 1.0]] | material.relaxation[0]: found [1.2, 1.0], allowed: a list of [share, time], shares above 0 with a sum below 1
+material.relaxation = [[0.5, 0.0]] | found [0.5, 0.0], allowed: a list of [share, time], shares above 0 with a sum below 1, times above 0
 material.adhesion = 3 | material.adhesion: found 3, allowed: a table {work, range, law}
 material.adhesion = {work = "50 mJ/m2", range = 0.01} | material.E_star: not given, hence 1 beside material.adhesion.work = '50 mJ/m2'
 material = {adhesion = {work = 0.1, range = 0.01}, hardness = 2.0} | material.adhesion: found beside material.hardness = 2
