@@ -16,6 +16,7 @@ CORRECTED = (
     "a_r: share of grid points in contact, too large by what points at the edge of the contact add;"
     " corrected: without them"
 )
+TIME_STEPS = "+-: without the error of the time steps (see hpc-gfmd run --halve-steps)"
 NO_COARSER_GRID = "no coarser grid was solved, of the mean gap it is the solver's alone"
 NO_LIMIT = (
     "max p +- ?: where the contact reaches a free edge or a ridge between mirror images it grows"
@@ -202,6 +203,8 @@ def remarks(steps: Mapping[int, dict], surface: dict, observables: Sequence[str]
     if lines and unknown:
         steps_text = f"at step{'s' * (len(unknown) > 1)} {', '.join(unknown)} "
         lines[0] += f"; {steps_text if len(unknown) < len(steps) else ''}{NO_COARSER_GRID}"
+    if len({step.get("time") for step in steps.values()}) > 1:
+        lines.append(TIME_STEPS)
     if any(_has_value(step.get("a_r_corrected")) for step in steps.values()):
         lines.append(CORRECTED)
     if any(step.get("pressure_max_discretisation") == inf for step in steps.values()):

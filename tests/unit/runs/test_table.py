@@ -21,6 +21,16 @@ def test_the_area_of_the_grid_is_too_large():
     assert "a_r = (2.5 +0.1 -0.3)e-05 %" in summary(small, SURFACE)
 
 
+def test_errors_of_time_steps_are_not_in_the_bars():
+    """Which the lines below the table say where loads have several times."""
+    times = {k: STEP | {"time": time} for k, time in enumerate((0.0, 1.0))}
+    assert "+-: without the error of the time steps (see hpc-gfmd run --halve-steps)" in table(
+        times, {}
+    )
+    assert "--halve-steps" not in table({0: times[0], 1: times[0]}, {})
+    assert "--halve-steps" not in table({0: STEP, 1: STEP}, {})
+
+
 def test_requested_observables_have_a_column_or_a_reason():
     step = STEP | {"stiffness": 3.0, "gap_spans_x": True}
     text = table({0: step}, {}, ["stiffness", "conductance", "gap_spans_x"])
