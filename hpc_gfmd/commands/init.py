@@ -62,8 +62,9 @@ def main(args: Namespace) -> int:
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
     needs = " and ".join(f"surface.{key}" for key in draft.missing)
-    says = "does not say" if len(sources) == 1 else "do not say"
-    todo = f"before it runs it needs {needs}, which {' and '.join(sources)} {says}" if needs else ""
+    silent = draft.silent or sources
+    says = "does not say" if len(silent) == 1 else "do not say"
+    todo = f"before it runs it needs {needs}, which {' and '.join(silent)} {says}" if needs else ""
     print(*draft.about, f"{path}: {todo or f'hpc-gfmd run {path}'}", sep="\n")
     return 0
 
@@ -85,14 +86,15 @@ def _asked_boundary(sources: list[str]) -> str:
 
 
 class Draft(NamedTuple):
-    """A scene in TOML, not yet written. missing: keys to fill in; open: chosen, but only the user
-    knows; about: what the map shows.
+    """A scene in TOML, not yet written. missing: keys to fill in; about: what the map shows; open:
+    chosen, but only the user knows; silent: names of those of two files that lack keys.
     """
 
     text: str
     missing: list[str]
     about: list[str]
     open: list[str]
+    silent: list[str]
 
 
 def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] = ()) -> Draft:
@@ -142,7 +144,7 @@ def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] =
         for name, keys in settings.items():  # a key that no scene has is in no template
             data[name] = data.get(name, {}) | keys if isinstance(keys, dict) else keys
         Scene.from_dict(data, "init", path.parent)
-    return Draft(text, suggested.missing, suggested.about, suggested.open)
+    return Draft(text, suggested.missing, suggested.about, suggested.open, suggested.silent)
 
 
 def _of_maps(maps: list[str], path: Path, tables: dict[str, Any]) -> Any:

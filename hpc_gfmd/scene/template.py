@@ -30,6 +30,7 @@ class Suggestion:
     why: dict = field(default_factory=dict)
     # keys that neither the file nor the user has given, and that only the user knows
     missing: list = field(default_factory=list)
+    silent: list = field(default_factory=list)  # names of the files that lack some of these
     # keys whose values were chosen although only the user knows them
     open: list = field(default_factory=list)
     about: list = field(default_factory=list)  # notes on the map, one line each

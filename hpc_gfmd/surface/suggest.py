@@ -78,7 +78,11 @@ def _of_two_scans(spec: File, make: Callable[[dict], File], user_keys: dict) -> 
     missing = list(dict.fromkeys(key for _, keys in scans for key in keys))
     units = {scan.unit for scan, _ in scans}
     result = Suggestion(dict(user_keys), unit=min(units), missing=missing)
-    result.why = dict.fromkeys(missing, NEEDED_OF_TWO)
+    result.silent = [name_of(scan) for scan, keys in scans if keys]
+    why = NEEDED_OF_TWO
+    if len(result.silent) == 1:
+        why = f"TO BE GIVEN in bodies, for {result.silent[0]}, which does not say it"
+    result.why = dict.fromkeys(missing, why)
     for scan, keys in scans:
         result.about += [f"{name_of(scan)}: {line}" for line in _about(scan, keys, user_keys)]
     if missing:

@@ -43,7 +43,7 @@ def test_scene_file_holds_every_key(kind):
 
 def test_scene_of_a_spectrum_runs_unchanged(tmp_path, cli):
     (tmp_path / "rough.csv").write_text("q (1/um), C (um^4)\n0.1,1\n1,1e-3\n100,1e-11\n")
-    written, missing, notes, _ = compose("rough.csv", Path("scene.toml"))
+    written, missing, notes, *_ = compose("rough.csv", Path("scene.toml"))
     assert not missing
     assert "waves from 62.8319 um to 62.8319 nm" in notes[0]
     for line in ('path = "rough.csv"', 'physical_sizes = ["62.9 um", "62.9 um"]', "shortest = "):
@@ -62,7 +62,7 @@ def tilted(sizes=(240.0, 160.0)):
 
 def test_scene_of_a_height_map_runs_unchanged(tmp_path, cli):
     tilted()
-    written, missing, notes, _ = compose("map.npz", Path("scene.toml"))
+    written, missing, notes, *_ = compose("map.npz", Path("scene.toml"))
     assert not missing
     for words in (
         "24 x 16 points, 240 nm x 160 nm, heights in nm",
@@ -113,7 +113,7 @@ def spiky(z):
 def test_boundary_and_detrending_are_detected(z, chosen, outliers):
     """Outliers, steps and rounded heights change neither choice."""
     np.savez("map.npz", z=z, physical_sizes=[1.0, 1.0], unit="um")
-    text, _, notes, _ = compose("map.npz", Path("a.toml"))
+    text, _, notes, *_ = compose("map.npz", Path("a.toml"))
     surface = tomllib.loads(text)["surface"]
     assert {key: surface[key] for key in ("boundary", "detrend") if key in surface} == chosen
     assert outliers in (None, any("points stand out" in line for line in notes))
@@ -180,6 +180,17 @@ def test_unknown_sizes_and_units_are_not_invented(cli):
     assert not compose(
         "map.npz", Path("a.toml"), ['surface.physical_sizes=["3 um", "2 um"]', "surface.unit=nm"]
     )[1]
+
+
+def test_what_one_of_two_scans_lacks_is_asked_for_that_one(tmp_path, cli):
+    z = np.random.default_rng(0).normal(size=(8, 8))
+    np.savez("complete.npz", surface=z, physical_sizes=[1.0, 1.0], unit="um")
+    np.save("bare.npy", z)
+    text = cli.prints("init complete.npz bare.npy")
+    assert "needs surface.physical_sizes and surface.unit, which bare.npy does not say" in text
+    assert (tmp_path / "scene.toml").read_text().count("TO BE GIVEN in bodies, for bare.npy") == 2
+    text = cli.prints("init bare.npy bare.npy --force")
+    assert "which bare.npy and bare.npy do not say" in text
 
 
 def test_existing_files_and_unknown_names_are_refused(tmp_path, cli):
