@@ -11,7 +11,7 @@ import numpy as np
 
 import hpc_gfmd
 
-comm = hpc_gfmd.world()  # an error of one rank ends the whole job
+comm = hpc_gfmd.world()  # an exception on one rank ends the whole job (sys.exit on one does not)
 n = int(sys.argv[1]) if sys.argv[1:] else 1024
 wall = hpc_gfmd.make_surface(
     "self-affine",

@@ -19,6 +19,7 @@ from .base import Arrays, Contact, Distribution, Observable
 
 ON_REQUEST = True
 BINS_PER_OCTAVE = 2
+ROUNDED = 1e-9  # of a centre, over the length of the axis
 NEWMAN_ZIFF = ("Newman, Ziff, Phys. Rev. E 64 (2001) 016706, doi:10.1103/PhysRevE.64.016706",)
 PERSSON_YANG = (
     "Persson, Yang, J. Phys.: Condens. Matter 20 (2008) 315011, doi:10.1088/0953-8984/20/31/315011",
@@ -134,7 +135,9 @@ def patch_table(contact: Contact) -> Arrays:
             turns = np.exp(2j * np.pi / n * position)
             centre = np.angle(mean(turns.real) + 1j * mean(turns.imag)) * n / (2 * np.pi)
             position = (position - centre[of] + n / 2) % n - n / 2  # from the centre
-        table[name] = (centre + mean(position)) % n * grid.spacings[axis]
+        place = (centre + mean(position)) % n
+        place[n - place < ROUNDED * n] = 0.0  # a little below 0 is n
+        table[name] = place * grid.spacings[axis]
         for way in (-1, 1):
             beside = np.roll(mask, way, axis)
             if not periodic[axis]:  # where the surface ends there is no edge of the contact

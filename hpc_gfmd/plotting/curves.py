@@ -100,9 +100,11 @@ def quantity_of(key: str) -> PlottedQuantity:
 
 
 def _scales(
-    quantity: PlottedQuantity, sweeps: Sequence[DrawnSweep], key: str
+    quantity: PlottedQuantity, sweep: DrawnSweep, sweeps: Sequence[DrawnSweep], key: str
 ) -> list[tuple[Scale, int]]:
-    """Return (scale, power) of each factor of a unit, which suit all results."""
+    """Return (scale, power) of each factor of a unit of one of several results: prefixes suit all,
+    what a relative unit divides by is its own.
+    """
     values = [step.get(key) for sweep in sweeps for step in sweep.result.steps]
     positive = [float(value) for value in values if value is not None and is_positive(value)]
     surface = sweeps[0].result.surface
@@ -115,7 +117,7 @@ def _scales(
     scales = []
     for kind, power in quantity.unit:
         sizes = [value ** (1 / power) for value in positive] if alone else [typical[kind]]
-        scales.append((sweeps[0].units.of(kind, sizes), power))
+        scales.append((sweep.units.of(kind, sizes), power))
     return scales
 
 
@@ -143,17 +145,35 @@ class LoadAxis(NamedTuple):
         return float(step[self.key]) / self.unit
 
 
-def _load_axis(sweeps: Sequence[DrawnSweep]) -> LoadAxis:
-    """Return the axis of times, or forces in N, if every load has one, else mean pressures."""
-    steps = [step for sweep in sweeps for step in sweep.result.steps]
-    units = sweeps[0].units
+class OnAxes(NamedTuple):
+    """A result whose loads are drawn over `loads`, and one of whose numbers over `unit`."""
+
+    sweep: DrawnSweep
+    loads: LoadAxis
+    unit: float
+
+    def shown(self, key: str) -> list[tuple[float, float]]:
+        """Return the points of a curve."""
+        steps = self.sweep.result.steps
+        return [
+            (self.loads.of(step), step[key] / self.unit) for step in steps if _is_shown(key, step)
+        ]
+
+
+def _load_axis(sweep: DrawnSweep, sweeps: Sequence[DrawnSweep]) -> LoadAxis:
+    """Return the axis of times, or forces in N, if every load of several results has one, else mean
+    pressures; of one of them, as `_scales`.
+    """
+    steps = [step for each in sweeps for step in each.result.steps]
+    units = sweep.units
     if all("time" in step for step in steps):
-        name = sweeps[0].result.surface.get("time_unit")
+        name = sweep.result.surface.get("time_unit")
         return LoadAxis("time", 1.0, np.nan, f"time $t$ ({name})" if name else "time $t$")
     forces = [step.get("target_force") for step in steps]
     scale = units.of("force", forces)
     if all(isinstance(force, float) for force in forces) and scale.name:
-        pressure = scale.unit * steps[0]["p"] / steps[0]["target_force"]
+        first = sweep.result.steps[0]
+        pressure = scale.unit * first["p"] / first["target_force"]
         return LoadAxis("target_force", scale.unit, pressure, f"force {scale.label('F')}")
     scale = units.of("pressure", [step["p"] for step in steps])
     name = f"pressure {scale.label('p_0')}"
@@ -167,22 +187,25 @@ def _curve(ax: Any, sweeps: Sequence[DrawnSweep], key: str, label: str) -> None:
     results by mean and scatter.
     """
     quantity = quantity_of(key)
-    loads = _load_axis(sweeps)
-    scales = _scales(quantity, sweeps, key)
-    unit = float(np.prod([scale.unit**power for scale, power in scales]))
-    if len(sweeps) > MOST_NAMED:
-        _mean_and_scatter(ax, sweeps, key, loads, unit)
+    drawn = []
+    for sweep in sweeps:
+        scales = _scales(quantity, sweep, sweeps, key)
+        unit = float(np.prod([scale.unit**power for scale, power in scales]))
+        drawn.append(OnAxes(sweep, _load_axis(sweep, sweeps), unit))
+    loads = drawn[0].loads
+    if len(drawn) > MOST_NAMED:
+        _mean_and_scatter(ax, drawn, key)
     else:
-        for k, sweep in enumerate(sweeps):
-            name = label if len(sweeps) == 1 else sweep.name
+        for k, curve in enumerate(drawn):
+            name = label if len(drawn) == 1 else curve.sweep.name
             how = {"color": colour(k), "marker": marker(k), "label": name}
-            _points(ax, sweep, key, loads, unit, how)
-    if key in CORRECTED and len(sweeps) == 1:
+            _points(ax, curve, key, how)
+    if key in CORRECTED and len(drawn) == 1:
         how = {"color": colour(1), "marker": marker(1), "label": "edge-corrected"}
-        _points(ax, sweeps[0], CORRECTED[key], loads, unit, how)
+        _points(ax, drawn[0], CORRECTED[key], how)
     ax.set_xlabel(loads.label)
     ax.set_ylabel(_axis_label(quantity, scales))
-    all_loads = [loads.of(step) for sweep in sweeps for step in sweep.result.steps]
+    all_loads = [curve.loads.of(step) for curve in drawn for step in curve.sweep.result.steps]
     pushed = min(all_loads) > 0
     if pushed and not loads.is_time:
         log_axis(ax, "x")
@@ -190,14 +213,15 @@ def _curve(ax: Any, sweeps: Sequence[DrawnSweep], key: str, label: str) -> None:
     if loads.is_time:
         _time_axis(ax, all_loads)
         return
-    for k, sweep in enumerate(sweeps if len(sweeps) <= MOST_NAMED else ()):
-        _pull_off(ax, sweep, loads, colour(k))
-    with_theory = sweeps if len(sweeps) <= MOST_NAMED else sweeps[:1]
-    for k, sweep in enumerate(with_theory):
-        one_line = len(with_theory) == 1
-        _theory(ax, sweep, key, loads, unit, None if one_line else colour(k))
+    for k, curve in enumerate(drawn if len(drawn) <= MOST_NAMED else ()):
+        _pull_off(ax, curve, colour(k))
+    if len(drawn) > MOST_NAMED:
+        _theory(ax, drawn[0], key, None, ", first result")
+    else:
+        for k, curve in enumerate(drawn):
+            _theory(ax, curve, key, colour(k) if len(drawn) > 1 else None)
     if key.startswith("critical_gap"):
-        _tight(ax, sweeps, key, loads)
+        _tight(ax, drawn, key)
 
 
 def _time_axis(ax: Any, times: list[float]) -> None:
@@ -208,10 +232,9 @@ def _time_axis(ax: Any, times: list[float]) -> None:
         ax.set_xlim(min(0.0, *times) - 0.2 * min(later), max(later) * BEYOND)
 
 
-def _points(
-    ax: Any, sweep: DrawnSweep, key: str, loads: LoadAxis, unit: float, how: dict[str, Any]
-) -> None:
+def _points(ax: Any, drawn: OnAxes, key: str, how: dict[str, Any]) -> None:
     """Draw a number of each load with error bars, joined by lines if loads have a memory."""
+    sweep, loads, unit = drawn
     for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [
             step
@@ -243,14 +266,9 @@ def _is_shown(key: str, step: Mapping[str, Any]) -> bool:
     return is_finite(step.get(key)) and not is_tight(key, step)
 
 
-def _mean_and_scatter(
-    ax: Any, sweeps: Sequence[DrawnSweep], key: str, loads: LoadAxis, unit: float
-) -> None:
+def _mean_and_scatter(ax: Any, drawn: Sequence[OnAxes], key: str) -> None:
     """Draw mean and standard deviation of results; as points of one colour if loads differ."""
-    rows = [
-        [(loads.of(step), step[key] / unit) for step in sweep.result.steps if _is_shown(key, step)]
-        for sweep in sweeps
-    ]
+    rows = [curve.shown(key) for curve in drawn]
     curves_of_results = [np.array(row, dtype=float) for row in rows if row]
     if not curves_of_results:
         return
@@ -259,11 +277,11 @@ def _mean_and_scatter(
         len(curve) == len(x) and np.allclose(curve[:, 0], x, rtol=SAME_LOAD)
         for curve in curves_of_results
     )
-    number = len(curves_of_results)
+    steps = [step for curve in drawn for step in curve.sweep.result.steps]
+    failed = sum(not converged(step) for step in steps)
+    number = f"{len(curves_of_results)} results" + f" ({failed} loads NOT CONVERGED)" * (failed > 0)
     if not alike:
-        ax.plot(
-            *np.concatenate(curves_of_results).T, ".", color=colour(0), label=f"{number} results"
-        )
+        ax.plot(*np.concatenate(curves_of_results).T, ".", color=colour(0), label=number)
         return
     values = np.array([curve[:, 1] for curve in curves_of_results])
     mean = values.mean(axis=0)
@@ -277,24 +295,27 @@ def _mean_and_scatter(
         linewidth=0,
         label="standard deviation",
     )
-    ax.plot(x, mean, "o-", color=colour(0), label=f"mean of {number} results")
+    ax.plot(x, mean, "o-", color=colour(0), label=f"mean of {number}")
 
 
-def _tight(ax: Any, sweeps: Sequence[DrawnSweep], key: str, loads: LoadAxis) -> None:
+def _tight(ax: Any, drawn: Sequence[OnAxes], key: str) -> None:
     """Shade loads without an open channel in any result: 0 would not show on a logarithmic axis."""
-    steps = sorted((step for sweep in sweeps for step in sweep.result.steps), key=loads.of)
-    open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]
-    tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
+    steps = sorted(
+        (curve.loads.of(step), is_tight(key, step))
+        for curve in drawn
+        for step in curve.sweep.result.steps
+    )
+    largest_open = max((load for load, tight in steps if not tight), default=-np.inf)
+    tight_loads = [load for load, tight in steps if tight and load > largest_open]
     if tight_loads:
-        right = max(ax.get_xlim()[1], loads.of(tight_loads[-1]) * BEYOND)
-        ax.axvspan(loads.of(tight_loads[0]), right, color="0.9", zorder=0, label="tight")
+        right = max(ax.get_xlim()[1], tight_loads[-1] * BEYOND)
+        ax.axvspan(tight_loads[0], right, color="0.9", zorder=0, label="tight")
         ax.set_xlim(right=right)
 
 
-def _theory(
-    ax: Any, sweep: DrawnSweep, key: str, loads: LoadAxis, unit: float, line_colour: Any
-) -> None:
+def _theory(ax: Any, drawn: OnAxes, key: str, line_colour: Any, whose: str = "") -> None:
     """Draw the theory of a result's surface, if there is one and all loads are > 0."""
+    sweep, loads, unit = drawn
     if not (sweep.theory and key in sweep.theory.curves):
         return
     loads_of_steps = [loads.of(step) for step in sweep.result.steps]
@@ -303,13 +324,13 @@ def _theory(
     x = np.geomspace(min(loads_of_steps) / BEYOND, max(loads_of_steps) * BEYOND, 80)
     values = sweep.theory.curves[key](loads.pressure * x) / unit
     line = THEORY | ({} if line_colour is None else {"color": line_colour})
-    ax.plot(x, values, zorder=1, label=sweep.theory.name, **line)
+    ax.plot(x, values, zorder=1, label=f"{sweep.theory.name}{whose}", **line)
 
 
-def _pull_off(ax: Any, sweep: DrawnSweep, loads: LoadAxis, line_colour: Any) -> None:
+def _pull_off(ax: Any, drawn: OnAxes, line_colour: Any) -> None:
     """Mark the last load before the surfaces of a result separate; nothing if they do not."""
-    if sweep.pull_off is not None:
-        held = loads.of(sweep.pull_off)
+    if drawn.sweep.pull_off is not None:
+        held = drawn.loads.of(drawn.sweep.pull_off)
         ax.axvline(held, color=line_colour, linestyle=":", linewidth=0.8, label="pull-off")
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..contact import all_numbers, observables_named
 from ..output.numbers import unit_of
-from ..output.summary import with_error
+from ..output.summary import converged, with_error
 from ..util.errors import SceneError
 from .solution import Solution
 from .solutions import Solutions, load
@@ -210,8 +210,17 @@ class Ensemble:
 
     def table(self) -> str:
         """Return a table as text, one line per load, with means +- standard deviations."""
-        lines = aligned(self._cells())
-        return "\n".join([*lines, f"+-: standard deviation over {len(self)} results"])
+        remarks = [f"+-: standard deviation over {len(self)} results", *self._failures()]
+        return "\n".join([*aligned(self._cells()), *remarks])
+
+    def _failures(self) -> list[str]:
+        """Return a line on loads that are not converged in some results, if there are any."""
+        failed = [
+            f"{count} of {len(self)} results at load {k}"
+            for k, steps in enumerate(zip(*(result.result.steps for result in self.results)))
+            if (count := sum(not converged(step) for step in steps))
+        ]
+        return [f"NOT CONVERGED: {', '.join(failed)}"] if failed else []
 
     def _cells(self) -> list[list[str]]:
         """Return the cells of the table as texts: a row of headings, one of units, one per load."""
@@ -239,7 +248,8 @@ class Ensemble:
         return f"<ensemble of {len(self)} results>\n{self.table()}"
 
     def _repr_html_(self) -> str:
-        return html(self._cells(), [f"mean and standard deviation of {len(self)} results"])
+        remarks = [f"mean and standard deviation of {len(self)} results", *self._failures()]
+        return html(self._cells(), remarks)
 
 
 def _solutions(result: Any, number: int) -> Solutions:

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-12  # of tangential loads, over the friction of the normal load
 DIGITS = 12  # to which two normal loads have to agree to be one
+# Error of a loss over that of the normal load's work in the compressions; measured on 144 cycles of
+# walls and rough balls at .003 to .8 of sliding: 1.8 at most.
+OF_LOSS = 3.0
 Number = float | str
 
 
@@ -164,6 +167,8 @@ class PartialSlip:
         The loads.
     shift : ndarray, shape (steps,)
         Tangential displacement of the bodies, a length.
+    shift_error : ndarray, shape (steps,)
+        Estimated error of `shift` by the solver, a length: small loads need a small accuracy.
     slip_area : ndarray, shape (steps,)
         Share of the surface that slips in the last step.
     """
@@ -171,23 +176,27 @@ class PartialSlip:
     def __init__(self, path: SlipPath, solutions: Solutions):
         self.path = path
         self._solutions = solutions
-        self._compressions = np.array([self._compression(solution) for solution in solutions])
-        self.shift = np.array([self._shift(state) for state in path.states])
+        self._compressions = [self._compression(solution) for solution in solutions]
+        self.shift, self.shift_error = np.array([self._shift(state) for state in path.states]).T
         self.slip_area = np.array([self._slip_area(state) for state in path.states])
 
     @staticmethod
-    def _compression(solution: Solution) -> float:
-        """Return the approach of a solution, or minus its mean gap where that is unbounded."""
+    def _compression(solution: Solution) -> tuple[float, float]:
+        """Return the approach of a solution, or minus its mean gap where that is unbounded, and the
+        error by the solver, that of the mean gap.
+        """
         approach = solution.value("approach")
-        return -solution.gap_mean if approach is None else approach
+        error = float(solution.gap_error * solution.gap_mean)
+        return float(-solution.gap_mean if approach is None else approach), error
 
-    def _compression_at(self, load: float) -> float:
-        """Return the approach, or minus the mean gap, at a normal load; also at the first touch."""
+    def _compression_at(self, load: float) -> tuple[float, float]:
+        """Return `_compression` at a normal load, also at the first touch."""
         place = self.path.place(load)
         if place >= 0:
-            return float(self._compressions[place])
+            return self._compressions[place]
         lightest = self._solutions[0]
-        return 0.0 if lightest.value("approach") is not None else self._mean_height(lightest)
+        has_approach = lightest.value("approach") is not None
+        return (0.0 if has_approach else self._mean_height(lightest)), 0.0
 
     @staticmethod
     def _mean_height(solution: Solution) -> float:
@@ -196,12 +205,15 @@ class PartialSlip:
         n_x, n_y = solution.result.surface["n"]
         return float(total) / (n_x * n_y)
 
-    def _shift(self, state: SlipState) -> float:
-        return self.path.ratio * sum(
-            share * (self._compression_at(high) - self._compression_at(low))
-            for low, high, share in state.parts
-            if share
-        )
+    def _shift(self, state: SlipState) -> tuple[float, float]:
+        """Return the shift of a state, and its error."""
+        shift = error = 0.0
+        for low, high, share in state.parts:
+            if share:
+                (above, of_above), (below, of_below) = map(self._compression_at, (high, low))
+                shift += share * (above - below)
+                error += abs(share) * (of_above + of_below)
+        return self.path.ratio * shift, self.path.ratio * error
 
     def _slip_area(self, state: SlipState) -> float:
         areas = [
@@ -253,6 +265,41 @@ class PartialSlip:
             If the load that it needs is not among those that were solved.
         """
         path = self.path
+        inner = self._inner(amplitude)
+        P = float(path.normal.max())
+        place = path.place(inner)
+        heaviest = self._solutions[path.place(P)]
+        scale = heaviest.p / P  # mean pressure over the loads of the path
+        compressed = self._compression_at(P)[0] - self._compression_at(inner)[0]
+        stored = heaviest.value("energy")
+        stored -= self._solutions[place].value("energy") if place >= 0 else 0.0
+        share = 8 * (heaviest.p * compressed - stored) - 4 * (P - inner) * scale * compressed
+        return float(path.friction**2 * path.ratio * share)
+
+    def loss_error(self, amplitude: Number) -> float:
+        """Return the relative error of `loss` by the solver, which goes with the accuracy over the
+        cube of the amplitude.
+
+        Parameters
+        ----------
+        amplitude : float or str
+            As for `loss`.
+
+        Returns
+        -------
+        float
+        """
+        path = self.path
+        P = float(path.normal.max())
+        loads = P, self._inner(amplitude)
+        error = sum(self._compression_at(load)[1] for load in loads)
+        work = self._solutions[path.place(P)].p * error
+        loss = abs(self.loss(amplitude))
+        return OF_LOSS * path.friction**2 * path.ratio * work / loss if loss else np.inf
+
+    def _inner(self, amplitude: Number) -> float:
+        """Return the normal load that a cycle between +-amplitude needs beside the largest one."""
+        path = self.path
         T, unit = _load("amplitude", amplitude)
         P = float(path.normal.max())
         inner = P - abs(T) / path.friction
@@ -263,13 +310,7 @@ class PartialSlip:
                 f"amplitude: found {amplitude}, allowed: one that the path reaches from T = 0 at"
                 " its largest normal load"
             )
-        heaviest = self._solutions[path.place(P)]
-        scale = heaviest.p / P  # mean pressure over the loads of the path
-        compressed = self._compression_at(P) - self._compression_at(inner)
-        stored = heaviest.value("energy")
-        stored -= self._solutions[place].value("energy") if place >= 0 else 0.0
-        share = 8 * (heaviest.p * compressed - stored) - 4 * (P - inner) * scale * compressed
-        return float(path.friction**2 * path.ratio * share)
+        return inner
 
 
 def slip(

@@ -77,6 +77,19 @@ def test_the_loss_is_the_area_of_the_loop(friction):
     assert result.loss(sweep[0]) == pytest.approx(loop, rel=0.01)
 
 
+@pytest.mark.parametrize("share", [0.01, 0.1, 0.5])
+def test_errors_contain_what_a_better_accuracy_changes(share):
+    T = share * MU * 0.15
+    path = hpc_gfmd.slip(MU, 0.15, [T])
+    rough, exact = (
+        path.of(hpc_gfmd.solve(rough_wall((2, 8, 2)), path.loads, accuracy=accuracy))
+        for accuracy in (1e-3, 1e-7)
+    )
+    assert 0.01 < abs(rough.shift[0] - exact.shift[0]) / rough.shift_error[0] < 1
+    assert abs(rough.loss(T) - exact.loss(T)) < rough.loss_error(T) * abs(rough.loss(T))
+    assert exact.loss_error(T) < rough.loss_error(T)
+
+
 def test_loads_that_rise_together_do_not_slip():
     """All contact sticks, and the traction is dT/dP times the pressure of new contact."""
     wall = rough_wall((2, 8, 2))

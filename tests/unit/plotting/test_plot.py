@@ -479,6 +479,20 @@ def test_many_results_are_drawn_as_mean_and_scatter():
     assert len(fig.legends[0].get_texts()) <= 3
 
 
+@pytest.mark.parametrize("number", [2, 7])
+def test_each_result_is_divided_by_its_own_roughness(number):
+    walls = [rough_wall((2, 8, 2), seed=seed, g_rms=0.1 * (seed + 1)) for seed in range(number)]
+    sweeps = [hpc_gfmd.solve(wall, p_star=[0.02, 0.1], fields=()) for wall in walls]
+    (ax,) = hpc_gfmd.plot(sweeps, "gap_mean").axes
+    gaps = np.array([sweep.values("gap_over_h_rms") for sweep in sweeps])
+    if number == 2:
+        for bars, own in zip(ax.containers, gaps, strict=True):
+            np.testing.assert_allclose(bars.lines[0].get_xydata(), np.stack([[0.02, 0.1], own], 1))
+    else:
+        (mean,) = (line for line in ax.lines if "mean of 7" in line.get_label())
+        np.testing.assert_allclose(mean.get_xydata(), np.stack([[0.02, 0.1], gaps.mean(axis=0)], 1))
+
+
 def test_force_axis():
     z = -np.add.outer(np.linspace(-1, 1, 24) ** 2, np.linspace(-1, 1, 24) ** 2) * 1e-6
     ball = hpc_gfmd.prepare_surface(z, physical_sizes=("20 um", "20 um"), unit="m", boundary="free")

@@ -64,6 +64,17 @@ def test_table_and_plot(results):
     assert len(ensemble.plot("a_r").axes) == 1
 
 
+def test_loads_that_are_not_converged_are_named(results):
+    short = {"max_iterations": 1, "nested": False}
+    with pytest.warns(hpc_gfmd.NotConverged):
+        failed = solved(7, **short)
+    ensemble = hpc_gfmd.Ensemble([results[0], failed])
+    assert ensemble.table().endswith(
+        "NOT CONVERGED: 1 of 2 results at load 0, 1 of 2 results at load 1"
+    )
+    assert "NOT CONVERGED" not in hpc_gfmd.Ensemble(results).table()
+
+
 def test_show_and_plot_several_files(results, cli, tmp_path):
     paths = [result.save(tmp_path / f"{k}.h5") for k, result in enumerate(results)]
     assert "3 results" in cli.prints("show", *paths)
