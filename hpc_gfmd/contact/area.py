@@ -59,14 +59,26 @@ def _sides_to_open(contact: Contact) -> int:
     return contact.boundary_segments + contact.edges.free
 
 
+def _straight_sides(contact: Contact) -> float:
+    """Return how many sides more run along one axis than along the other, per length, than by
+    chance: edges that are straight on the grid, as of a lay along an axis.
+    """
+    a_x, a_y = contact.grid.spacings
+    edges = contact.edges
+    along_x = edges.along_x - edges.along_y * a_y / a_x
+    along_y = edges.along_y - edges.along_x * a_x / a_y
+    return max(along_x, along_y) - float(np.sqrt(edges.along_x + edges.along_y))
+
+
 def a_r_discretisation(contact: Contact) -> float:
     """Estimate the relative error of a_r by the grid spacing; inf if nothing touches. Collective.
 
     The estimate is (b S + 3 sqrt(m (S + M)/12))/n_c for n_c points in contact, S sides to open
     points and M to mirror images: the full edge correction, and three times the random error of
     rounding each side to whole points, which m mirror images share. In one dimension it is
-    EDGE_1D S/n_c, as the edges of one wave miss alike. Next to full contact points are added that
-    may open between them (peak.py: may_open). docs/accuracy.md has the measurements.
+    EDGE_1D S/n_c, as the edges of one wave miss alike; so do straight ones in two. Next to full
+    contact points are added that may open between them (peak.py: may_open). docs/accuracy.md has
+    the measurements.
     """
     sides = _sides_to_open(contact)
     if contact.contact_points == 0:
@@ -76,7 +88,9 @@ def a_r_discretisation(contact: Contact) -> float:
         return (EDGE_1D * sides + opening) / contact.contact_points
     rounded = sides + contact.edges.mirrored if sides else 0
     by_chance = BY_CHANCE * LATTICE * np.sqrt(contact.surface.images * rounded)
-    return float(EDGE_CORRECTION * sides + by_chance + opening) / contact.contact_points
+    alike = (EDGE_1D - EDGE_CORRECTION) * max(_straight_sides(contact), 0.0) if sides else 0.0
+    error = EDGE_CORRECTION * sides + by_chance + alike + opening
+    return float(error) / contact.contact_points
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
