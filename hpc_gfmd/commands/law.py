@@ -45,7 +45,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         type=share,
         default=0.05,
         metavar="SHARE",
-        help="largest deviation of a further load from the law, as 1%% or 0.01 (default: 5%%)",
+        help="deviation from the law, of the load amid an interval, up to which no more are solved"
+        " (default: 5%%); loads between deviate by up to the printed errors",
     )
     parser.add_argument(
         "--realisations",

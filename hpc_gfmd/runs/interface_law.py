@@ -60,7 +60,8 @@ def interface_law(
     start, stop : float or str
         Range of mean pressures, in the unit of E_star, or with a unit as "1 MPa".
     error : float
-        Largest relative deviation of a further load from the interpolated law, from 1e-4 to 0.5.
+        Relative deviation, of the load amid an interval from the law without it, up to which no
+        more are solved, from 1e-4 to 0.5. Loads between deviate by up to the `errors` of the law.
     quantities : sequence of str
         Numbers of a load, by the names of the result file, such as critical_gap_x for the load at
         which a seal is tight; not those that jump from load to load,

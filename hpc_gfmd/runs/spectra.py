@@ -15,6 +15,8 @@ from .prepared import PreparedSurface
 from .surfaces import prepare_surface
 
 ROUNDING = 1e-9  # relative, of a power
+EMPTY = 1e-24  # share of the largest C below which a bin holds rounding errors alone
+AGREE = 0.03  # relative difference of two h_rms up to which nothing is said
 
 
 def spectrum_of(
@@ -70,16 +72,32 @@ def spectrum_of(
         return _of_container(surface, per_decade, reliable, window)
     topography, unit = _topography(surface, keys)
 
+    def level() -> Any:
+        return topography if topography.is_periodic else topography.detrend(detrend)
+
     def bins() -> Any:
-        level = topography if topography.is_periodic else topography.detrend(detrend)
         if of == "area":
-            function = level.power_spectrum_from_area
+            function = level().power_spectrum_from_area
         else:
-            function = level.power_spectrum_from_profile
+            function = level().power_spectrum_from_profile
         return function(window=window, reliable=reliable, nb_points_per_decade=per_decade)
 
     spectrum = _spectrum(bins, unit)
-    return _of_surface(spectrum) if of == "profiles" else spectrum
+    if of == "profiles":
+        return _of_surface(spectrum)
+    return _beside(float(np.std(level().heights())), spectrum)
+
+
+def _beside(h_rms: float, spectrum: Spectrum) -> Spectrum:
+    """Return a spectrum with a note if its h_rms is not that of the heights that it is of."""
+    of_rows = spectrum.roughness().h_rms
+    if abs(of_rows / h_rms - 1) <= AGREE:
+        return spectrum
+    note = (
+        f"h_rms = {of_rows:.3g}, of the heights {h_rms:.3g}: few waves are long, and rows begin and"
+        " end in the middle of the outer bins; surface.h_rms sets that of walls"
+    )
+    return replace(spectrum, notes=(note,))
 
 
 def _of_container(container: Any, per_decade: int, reliable: bool, window: Any) -> Spectrum:
@@ -113,7 +131,7 @@ def _spectrum(bins: Callable[[], Any], unit: str) -> Spectrum:
             raise
         raise SceneError(f"spectrum_of: {one_line(str(error) or type(error).__name__)}") from None
     q, C = (np.ma.filled(np.ma.asarray(values, dtype=float), np.nan) for values in (q, C))
-    filled = np.isfinite(q) & np.isfinite(C) & (q > 0) & (C > 0)
+    filled = np.isfinite(q) & (q > 0) & (C > EMPTY * np.nanmax(C, initial=0.0))
     return Spectrum(q[filled], C[filled], unit)
 
 

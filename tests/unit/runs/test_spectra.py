@@ -38,6 +38,16 @@ def test_spectrum_of_a_wall_is_its_table(wall, tmp_path):
     assert hpc_gfmd.spectrum_of(again).roughness().g_rms == pytest.approx(0.1, rel=0.05)
 
 
+def test_a_spectrum_names_heights_that_it_lacks():
+    """Of the longest waves, of which there are few; bins without waves are no rows."""
+    keys = {"hurst": 0.8, "lam_l_over_lam_s": 16, "lam_s_over_a": 4, "seed": 4}
+    wall = hpc_gfmd.make_surface("self-affine", L_over_lam_l=2, **keys)
+    spectrum = hpc_gfmd.spectrum_of(wall)
+    assert f"of the heights {wall.heights.std():.3g}" in spectrum.notes[0]
+    assert spectrum.roughness().h_rms < 0.95 * wall.heights.std()
+    assert spectrum.C.min() > 1e-12 * spectrum.C.max()
+
+
 def of_container(topography):
     from SurfaceTopography.Container.SurfaceContainer import InMemorySurfaceContainer
 
