@@ -172,8 +172,8 @@ def _load_axis(sweep: DrawnSweep, sweeps: Sequence[DrawnSweep]) -> LoadAxis:
     forces = [step.get("target_force") for step in steps]
     scale = units.of("force", forces)
     if all(isinstance(force, float) for force in forces) and scale.name:
-        first = sweep.result.steps[0]
-        pressure = scale.unit * first["p"] / first["target_force"]
+        p, force = (sweep.result.steps[0][name] for name in ("p", "target_force"))
+        pressure = scale.unit * p / force
         return LoadAxis("target_force", scale.unit, pressure, f"force {scale.label('F')}")
     scale = units.of("pressure", [step["p"] for step in steps])
     name = f"pressure {scale.label('p_0')}"
