@@ -174,7 +174,7 @@ def as_text(law: InterfaceLaw) -> str:
     rows = [headings, ["" if unit in ("", "1") else f"[{unit}]" for unit in units]]
     for k, pressure in enumerate(law.pressure):
         numbers = (
-            with_error(float(values[k]), float(law.errors[name][k]))
+            with_error(float(values[k]), float(law.errors[name][k])) if values[k] else "0 +- ?"
             for name, values in law.values.items()
         )
         rows.append([f"{pressure:.4g}", *numbers])

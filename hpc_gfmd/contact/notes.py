@@ -58,17 +58,16 @@ def _doubt(contact: Any) -> str | None:
 
 
 def _limit(contact: Any) -> str | None:
-    """Return which relative error of a Contact is large and cannot be reduced by iterations."""
+    """Return which relative error of a Contact is large, by what iterations cannot reduce."""
     gap, pressure = contact.certificate.attainable
-    limited = {"mean gap": gap, "pressure": pressure}
-    if contact.status == "stagnated" and pressure > 0:
-        limited["area"] = contact.certificate.errors[0]
-    for name, best in limited.items():
+    why = "rounding errors, and those of free edges and of loads before"
+    for name, best in {"mean gap": gap, "pressure": pressure}.items():
         if contact.accuracy < best < np.inf:
-            return (
-                f"the {name} is known to {best:.1g} at best: rounding errors, and those of free"
-                " edges and of loads before"
-            )
+            return f"the {name} is known to {best:.1g} at best: {why}"
+    area = contact.certificate.errors[0]
+    is_few = contact.contact_points < TOUCHING
+    if contact.status == "stagnated" and pressure > 0 and contact.accuracy < area and not is_few:
+        return f"the area is known to {area:.1g}: {why} leave open which points touch"
     return None
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..operators.selection import nth_smallest
-from .root import STEP, TRIALS, Bound, Root, Value
+from .root import CORRECTIONS, STEP, TRIALS, Bound, Root, Value
 from .target import DISTINCT, area_may_be_met
 
 if TYPE_CHECKING:
@@ -261,9 +261,10 @@ class Area(Root):
         """Return x at which points that change at this load have done so, or will not: towards the
         aim, or the nearer bound if both are as near; away from a jump.
         """
-        if self.decisions == TRIALS:
+        if self.decisions == TRIALS or self.corrections == CORRECTIONS:
             return None
         self.decisions += 1
+        self.corrections += 1
         margin = DECIDES * self.aim * _undecided(solver, certificate)
         is_above, is_below = (
             bound is not None and abs(self.p0_of(bound.x) - self.p0) < 2 * margin

@@ -146,11 +146,11 @@ def with_error(value: float, relative: float | None, above: float | None = None)
     """
     if not isfinite(value):
         return str(value)
-    largest = max(relative or 0.0, above or 0.0)
-    if not isfinite(largest):
-        return f"{value:.{DIGITS}g} +- ?"
     if not relative or not value:
         return f"{value:.{DIGITS}g}" + (" +- 0" if relative == 0 else "")
+    largest = relative if above is None else max(relative, above)
+    if not isfinite(largest):
+        return f"{value:.{DIGITS}g} +- ?"
     error = abs(value * largest)
     place = floor(log10(abs(value)))  # of the leading digit
     scale = 0 if -4 <= place <= 5 else place

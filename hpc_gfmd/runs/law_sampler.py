@@ -94,7 +94,9 @@ class Sampler:
 
     def _heights(self, heights: Any, keys: Mapping[str, Any]) -> tuple[Scene, Surfaces]:
         """Return a scene of heights in memory, and what makes their surface."""
-        for key in ("relaxation", *HOW):
+        if keys.get("relaxation") is not None:
+            refuse_relaxation({"material": keys}, "interface_law")
+        for key in HOW:
             if key in keys:
                 raise SceneError(
                     f"{key}: found in a law, whose loads do not follow from each other, allowed: a"

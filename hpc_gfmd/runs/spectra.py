@@ -94,8 +94,8 @@ def _beside(h_rms: float, spectrum: Spectrum) -> Spectrum:
     if abs(of_rows / h_rms - 1) <= AGREE:
         return spectrum
     note = (
-        f"h_rms = {of_rows:.3g}, of the heights {h_rms:.3g}: few waves are long, and rows begin and"
-        " end in the middle of the outer bins; surface.h_rms sets that of walls"
+        f"h_rms = {of_rows:.3g}, of the heights {h_rms:.3g}: rows begin and end in the middle of"
+        " the outer bins, and windows weigh heights; surface.h_rms sets that of walls"
     )
     return replace(spectrum, notes=(note,))
 
@@ -132,6 +132,8 @@ def _spectrum(bins: Callable[[], Any], unit: str) -> Spectrum:
         raise SceneError(f"spectrum_of: {one_line(str(error) or type(error).__name__)}") from None
     q, C = (np.ma.filled(np.ma.asarray(values, dtype=float), np.nan) for values in (q, C))
     filled = np.isfinite(q) & (q > 0) & (C > EMPTY * np.nanmax(C, initial=0.0))
+    if np.count_nonzero(filled) < 2:
+        raise SceneError("spectrum_of: found waves in less than two bins, allowed: in more")
     return Spectrum(q[filled], C[filled], unit)
 
 

@@ -56,7 +56,7 @@ def test_a_ball_at_an_approach(precision):
     assert ends[0].value("approach") == pytest.approx(0, abs=1e-3 * adhesion["range"])
 
 
-@pytest.mark.parametrize(("seed", "gap"), [(0, 0.05), (3, 0.03), (12, 0.05)])
+@pytest.mark.parametrize(("seed", "gap"), [(0, 0.05), (3, 0.03), (12, 0.05), (20, 1.6e-4)])
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
 def test_the_error_of_a_pressure_contains_the_gap_that_is_missed(seed, gap, accuracy):
     wall = hpc_gfmd.make_surface(

@@ -64,9 +64,13 @@ def test_a_jump_begins_again_with_a_stiffer_spring():
 
 
 def test_a_gap_is_met_if_the_tolerance_holds_its_certified_error_too():
+    """And once the slope is known, of which the error of its pressure is made."""
     problem = problem_of()
     search = Held("gap_mean", 0.5, 1e-3, 0.05, problem, 1.0, problem.heights)
     solver = solver_of(problem)
+    first = SimpleNamespace(gap_mean=0.5 * (1 + 5e-4), errors=(0.0, 3e-4, 0.0))
+    assert search.judge(solver, first) == 1
+    assert search.correct(solver, first, solved=True)
     for error, is_met in ((3e-4, True), (5e-4, False)):
         certificate = SimpleNamespace(gap_mean=0.5 * (1 + 6e-4), errors=(0.0, error, 0.0))
         assert (search.judge(solver, certificate) < 1) == is_met

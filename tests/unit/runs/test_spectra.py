@@ -46,6 +46,8 @@ def test_a_spectrum_names_heights_that_it_lacks():
     assert f"of the heights {wall.heights.std():.3g}" in spectrum.notes[0]
     assert spectrum.roughness().h_rms < 0.95 * wall.heights.std()
     assert spectrum.C.min() > 1e-12 * spectrum.C.max()
+    with pytest.raises(SceneError, match=r"^spectrum_of: found waves in less than two bins"):
+        hpc_gfmd.spectrum_of(hpc_gfmd.make_surface("wave", amplitude=0.01, n=(64, 64)))
 
 
 def of_container(topography):
