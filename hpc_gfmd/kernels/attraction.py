@@ -14,7 +14,13 @@ SQUARINGS = 6  # exp(-x) is exp(-x/64) squared six times
 FARTHEST = 2.0**SQUARINGS  # exp(-64) = 2e-28 counts as nothing
 TERMS = {types.float32: 8, types.float64: 14}  # of the polynomial of exp(-y), y from 0 to 1
 
-_options = {"nogil": True, "error_model": "numpy", "fastmath": FASTMATH, "forceinline": True}
+_options = {
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": FASTMATH,
+    "_nrt": False,
+    "forceinline": True,
+}
 
 
 def decay(x):

@@ -19,9 +19,9 @@ FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
 def kernel(function: Callable[..., Any], piece: bool = False) -> Any:
-    """Make a function a kernel: compiled on first use, kept in a file, without the GIL. A `piece`
-    is copied into others: called, it might differ in last bits between kept and new code.
-    SceneError if NUMBA_DISABLE_JIT is set.
+    """Make a function a kernel: compiled on first use, kept in a file, without the GIL; no arrays
+    made. A `piece` is copied into others: called, it might differ in last bits between kept and new
+    code. SceneError if NUMBA_DISABLE_JIT is set.
     """
     if numba.config.DISABLE_JIT:
         raise SceneError(
@@ -33,6 +33,7 @@ def kernel(function: Callable[..., Any], piece: bool = False) -> Any:
         "nogil": True,
         "error_model": "numpy",
         "fastmath": FASTMATH,
+        "_nrt": False,  # no references are counted, as no arrays are made: 5 % of a small solve
         "forceinline": piece,
         "no_cpython_wrapper": piece,
         "no_cfunc_wrapper": True,
