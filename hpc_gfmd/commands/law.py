@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from argparse import ArgumentParser, Namespace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -174,7 +175,9 @@ def as_text(law: InterfaceLaw) -> str:
     rows = [headings, ["" if unit in ("", "1") else f"[{unit}]" for unit in units]]
     for k, pressure in enumerate(law.pressure):
         numbers = (
-            with_error(float(values[k]), float(law.errors[name][k])) if values[k] else "0 +- ?"
+            "0 +- ?"  # of a channel that is closed on this grid
+            if values[k] == 0 and law.errors[name][k] == inf
+            else with_error(float(values[k]), float(law.errors[name][k]))
             for name, values in law.values.items()
         )
         rows.append([f"{pressure:.4g}", *numbers])

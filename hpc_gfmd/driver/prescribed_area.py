@@ -30,7 +30,7 @@ POINT = 1 + 1e-9  # points by which an area may always be missed
 CONTRADICTS = 12.0
 # At a load where errors of the heights leave points undecided, the next one decides them: there
 # they need a change of pressure of more than so many times its rms error (FARTHEST in
-# misclassified.py is 12).
+# misclassified.py is 12). Chosen.
 DECIDES = 15.0
 
 

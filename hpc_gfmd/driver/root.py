@@ -7,7 +7,7 @@ certified value does, and becomes a bound. See "Prescribed areas, gaps and appro
 docs/method.md.
 
 A quantity y is two functions: its value (`predicted`, `certified`), and f(y), which is nearly
-linear in x (`straight`): quantities.py, prescribed_area.py.
+linear in x (`straight`); quantities.py and prescribed_area.py have them.
 """
 
 from __future__ import annotations

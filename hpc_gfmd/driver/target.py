@@ -1,8 +1,8 @@
 """What a load prescribes: a mean pressure p0, or a quantity whose p0 is found on the way.
 
 `Target` itself is a dead load. `Pressure` (full_contact.py) is one that may close the gap and
-`Closing` the smallest that does, `Root` (root.py) is an area, a gap or an approach,
-and `Held` (held.py) a gap or an approach with an attraction.
+`Closing` the smallest that does, `Root` (root.py) is an area, a gap or an approach, and `Held`
+(held.py) a gap or an approach with an attraction.
 """
 
 from __future__ import annotations
